@@ -1,0 +1,6 @@
+//! Connectivity, and reading and writing of mesh bytes. Knows no metric.
+
+pub mod obj;
+mod soup;
+
+pub use soup::Soup;

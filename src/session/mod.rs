@@ -1,0 +1,4 @@
+//! Commands in, events out.
+
+pub mod samples;
+pub mod scene;

@@ -1,0 +1,1 @@
+//! Surfaces made by our own code.
