@@ -1,1 +1,93 @@
-fn main() {}
+//! `cargo xtask`: builds, serves, tests, packs and measures Cutflow, and sets up what each of these needs.
+//!
+//! Every command starts from whatever the machine has. What is missing is installed where that is possible without
+//! asking; otherwise the error says which command installs it. Nothing outside the project's folder changes, except
+//! through the system's package manager and rustup.
+
+// The bans keep the engine pure. This is the tool around it, which is made of files, clocks and processes.
+#![allow(clippy::disallowed_methods)]
+
+mod args;
+mod bench;
+mod browser;
+mod build;
+mod compiler;
+mod debian;
+mod dist;
+mod process;
+mod project;
+mod serve;
+mod server;
+mod sizes;
+mod test;
+mod tools;
+
+use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+
+use crate::args::Args;
+
+const HELP: &str = "\
+cargo xtask COMMAND
+
+  serve [--port N] [--dist]   build the page and serve it on this machine; open the address it prints
+  test  [--quick]             everything: format, lints, native tests, wasm tests, the page in a real browser
+        [--native] [--wasm] [--browser]
+                              only these parts; --quick is everything that needs no browser
+  build [--dist]              build www/pkg/: engine and viewer as WebAssembly
+  dist  [--out DIR]           a static folder (default: dist) that works from any path of any static host
+  bench [--quick] [--json FILE]
+                              the figures, as ratios, and the sizes of the wasm files that are built
+  help                        this text
+
+--dist builds what people download: link-time optimised and squeezed, several minutes.
+
+Environment: CUTFLOW_WASM=debian uses Debian's compiler for WebAssembly even where rustup has the target;
+CHROMIUM and CHROMEDRIVER name the browser and its driver.";
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<()> {
+    let mut words = std::env::args().skip(1);
+    let command = words.next().unwrap_or_else(|| "help".into());
+    let mut args = Args::new(words.collect());
+    match command.as_str() {
+        "build" => {
+            let profile = build::Profile::from(args.flag("--dist"));
+            args.finish()?;
+            build::build(profile)?;
+            sizes::print(&build::pkg())
+        }
+        "serve" => {
+            let port = args.number("--port")?;
+            let profile = build::Profile::from(args.flag("--dist"));
+            args.finish()?;
+            serve::serve(port, profile)
+        }
+        "test" => {
+            let parts = test::Parts::from_args(&mut args);
+            args.finish()?;
+            test::test(parts)
+        }
+        "dist" => {
+            let out = args.value("--out")?;
+            args.finish()?;
+            dist::dist(out.as_deref())
+        }
+        "bench" => bench::bench(args.rest()),
+        "help" | "--help" | "-h" => {
+            println!("{HELP}");
+            Ok(())
+        }
+        other => bail!("there is no command `{other}`\n\n{HELP}"),
+    }
+}
