@@ -1,1 +1,218 @@
-//! geometry
+//! Metric quantities of a triangulated surface: lengths, angles, areas, curvature, the cotan Laplacian.
+//!
+//! A metric is given by edge lengths; positions in space only serve to measure them and to draw. Everything that flattening
+//! and cutting need is intrinsic and computed from lengths, so that it also works on metrics that live nowhere in space.
+//!
+//! Guaranteed: finite results for every [`Geometry`] that could be made, because [`Geometry::new`] refuses coordinates that
+//! are not finite and triangles without area. Not guaranteed: good conditioning; slivers give large cotangents.
+
+mod curvature;
+mod laplacian;
+pub mod polygon;
+pub mod triangle;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::mesh::{EdgeId, FaceId, Mesh, SurfacePoint, VertexId};
+
+pub use curvature::{angle_defects, angle_sums, face_curvatures};
+pub use laplacian::Laplacian;
+
+/// Why a surface has no usable metric.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GeometryError {
+    /// Coordinates that are NaN or infinite.
+    #[error("{} vertices have coordinates that are not finite, the first is vertex {}", .vertices.len(), .vertices[0].0)]
+    NotFinite {
+        /// The vertices.
+        vertices: Vec<VertexId>,
+    },
+    /// All points coincide, or the extent is too small or large to square.
+    #[error("the surface has no extent that can be computed with")]
+    NoExtent,
+    /// Triangles whose corners lie on a line.
+    #[error("{} faces have no area, the first is face {}", .faces.len(), .faces[0].0)]
+    DegenerateFaces {
+        /// The triangles.
+        faces: Vec<FaceId>,
+    },
+}
+
+/// A surface in space with the lengths, angles and areas that everything else is made of.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    /// Vertex positions.
+    pub positions: Vec<Point3<f64>>,
+    /// Length of every edge.
+    pub edge_lengths: Vec<f64>,
+    /// Area of every face.
+    pub face_areas: Vec<f64>,
+    /// Angle at every corner of every face, radians.
+    pub corner_angles: Vec<[f64; 3]>,
+    /// Cotangent of the angle at every corner of every face.
+    pub corner_cotangents: Vec<[f64; 3]>,
+}
+
+/// How a model was moved and scaled to unit area about the origin: `model = centre + unit / scale`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnitFrame {
+    /// Centre of the bounding box, in model units.
+    pub centre: Point3<f64>,
+    /// Unit-area length per model length.
+    pub scale: f64,
+}
+
+impl UnitFrame {
+    /// A point in model units.
+    pub fn to_model(&self, p: Point3<f64>) -> Point3<f64> {
+        self.centre + p.coords / self.scale
+    }
+}
+
+impl Geometry {
+    /// Measures a surface. Isolated vertices may lie anywhere.
+    ///
+    /// **Fails** on coordinates that are not finite and on faces without area (height below 1e-12 of the longest side:
+    /// there the angles are rounding noise). **Costs** O(V + F).
+    pub fn new(mesh: &Mesh, positions: Vec<Point3<f64>>) -> Result<Self, GeometryError> {
+        assert_eq!(positions.len(), mesh.vertex_count());
+        let not_finite: Vec<VertexId> = mesh
+            .vertices()
+            .filter(|v| !positions[v.index()].iter().all(|x| x.is_finite()))
+            .collect();
+        if !not_finite.is_empty() {
+            return Err(GeometryError::NotFinite { vertices: not_finite });
+        }
+        let edge_lengths: Vec<f64> = mesh
+            .edges()
+            .map(|e| {
+                let [a, b] = mesh.edge_vertices(e);
+                (positions[a.index()] - positions[b.index()]).norm()
+            })
+            .collect();
+        let longest = edge_lengths.iter().fold(0.0, |m: f64, &l| m.max(l));
+        if !(longest > 1e-100 && longest < 1e100) {
+            return Err(GeometryError::NoExtent);
+        }
+        let lengths = |f: FaceId| mesh.face_halfedges(f).map(|h| edge_lengths[h.edge().index()]);
+        let degenerate: Vec<FaceId> = mesh
+            .faces()
+            .filter(|&f| {
+                let sides = lengths(f);
+                let longest = sides[0].max(sides[1]).max(sides[2]);
+                !(triangle::area(sides) > 5e-13 * longest * longest)
+            })
+            .collect();
+        if !degenerate.is_empty() {
+            return Err(GeometryError::DegenerateFaces { faces: degenerate });
+        }
+        let face_areas = mesh.faces().map(|f| triangle::area(lengths(f))).collect();
+        let corner_angles = mesh.faces().map(|f| triangle::angles(lengths(f))).collect();
+        let corner_cotangents = mesh.faces().map(|f| triangle::cotangents(lengths(f))).collect();
+        Ok(Self { positions, edge_lengths, face_areas, corner_angles, corner_cotangents })
+    }
+
+    /// Measures a surface after moving its bounding box to the origin and scaling it to area 1.
+    ///
+    /// The scale is found in two stages so that neither areas of 1e-100 nor coordinates of 1e9 lose digits.
+    pub fn unit_area(
+        mesh: &Mesh,
+        positions: &[[f64; 3]],
+    ) -> Result<(Self, UnitFrame), GeometryError> {
+        let not_finite: Vec<VertexId> = mesh
+            .vertices()
+            .filter(|v| !positions[v.index()].iter().all(|x| x.is_finite()))
+            .collect();
+        if !not_finite.is_empty() {
+            return Err(GeometryError::NotFinite { vertices: not_finite });
+        }
+        let mut low = Vector3::repeat(f64::INFINITY);
+        let mut high = Vector3::repeat(f64::NEG_INFINITY);
+        for v in mesh.vertices().filter(|&v| mesh.halfedge(v).is_some()) {
+            let p = Vector3::from(positions[v.index()]);
+            low = low.inf(&p);
+            high = high.sup(&p);
+        }
+        let extent = (high - low).max();
+        if !(extent > 1e-100 && extent < 1e100) {
+            return Err(GeometryError::NoExtent);
+        }
+        let centre = (low + high) / 2.0;
+        let place = |scale: f64| -> Vec<Point3<f64>> {
+            positions.iter().map(|&p| Point3::from((Vector3::from(p) - centre) * scale)).collect()
+        };
+        let boxed = Self::new(mesh, place(1.0 / extent))?;
+        let scale = 1.0 / (extent * boxed.total_area().sqrt());
+        let unit = Self::new(mesh, place(scale))?;
+        Ok((unit, UnitFrame { centre: Point3::from(centre), scale }))
+    }
+
+    /// Sum of the face areas.
+    pub fn total_area(&self) -> f64 {
+        self.face_areas.iter().sum()
+    }
+
+    /// Mean of the edge lengths, the yardstick of steps and widths.
+    pub fn mean_edge_length(&self) -> f64 {
+        self.edge_lengths.iter().sum::<f64>() / self.edge_lengths.len() as f64
+    }
+
+    /// Length of an edge.
+    #[inline]
+    pub fn edge_length(&self, e: EdgeId) -> f64 {
+        self.edge_lengths[e.index()]
+    }
+
+    /// Unit normals of the faces.
+    pub fn face_normals(&self, mesh: &Mesh) -> Vec<Vector3<f64>> {
+        mesh.triangles()
+            .iter()
+            .map(|&[a, b, c]| {
+                let [a, b, c] = [a, b, c].map(|v| self.positions[v.index()]);
+                (b - a).cross(&(c - a)).normalize()
+            })
+            .collect()
+    }
+
+    /// Unit normals of the vertices: mean of the face normals weighted by corner angle; z at isolated vertices.
+    pub fn vertex_normals(&self, mesh: &Mesh) -> Vec<Vector3<f64>> {
+        let mut normals = vec![Vector3::zeros(); mesh.vertex_count()];
+        for (f, normal) in self.face_normals(mesh).into_iter().enumerate() {
+            for (v, angle) in mesh.face_vertices(FaceId::from(f)).iter().zip(self.corner_angles[f]) {
+                normals[v.index()] += normal * angle;
+            }
+        }
+        for normal in &mut normals {
+            *normal = normal.try_normalize(1e-300).unwrap_or_else(Vector3::z);
+        }
+        normals
+    }
+
+    /// A third of the area of the faces at each vertex.
+    pub fn vertex_dual_areas(&self, mesh: &Mesh) -> Vec<f64> {
+        let mut areas = vec![0.0; mesh.vertex_count()];
+        for (f, vertices) in mesh.triangles().iter().enumerate() {
+            for v in vertices {
+                areas[v.index()] += self.face_areas[f] / 3.0;
+            }
+        }
+        areas
+    }
+
+    /// Where a point of the surface lies in space.
+    pub fn locate(&self, mesh: &Mesh, point: SurfacePoint) -> Point3<f64> {
+        match point {
+            SurfacePoint::Vertex(v) => self.positions[v.index()],
+            SurfacePoint::Edge(e, t) => {
+                let [a, b] = mesh.edge_vertices(e).map(|v| self.positions[v.index()]);
+                a + (b - a) * t
+            }
+            SurfacePoint::Face(f, weights) => {
+                let corners = mesh.face_vertices(f).map(|v| self.positions[v.index()].coords);
+                Point3::from(
+                    corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2],
+                )
+            }
+        }
+    }
+}

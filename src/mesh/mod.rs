@@ -1,6 +1,16 @@
-//! Connectivity, and reading and writing of mesh bytes. Knows no metric.
+//! Connectivity of triangulated surfaces, and reading and writing of mesh bytes. Knows no metric: what lies in a file as
+//! coordinates passes through unread.
+//!
+//! A [`Mesh`] is an oriented manifold, with or without boundary, of any genus and any number of components. Everything
+//! above relies on that and none of it checks again; [`Mesh::new`] refuses anything else and names the defects by id.
+//!
+//! Not guaranteed: that a component is connected to another, that it has interior vertices, or any minimal size.
 
+mod cut_mesh;
+mod halfedge;
 pub mod obj;
 mod soup;
 
+pub use cut_mesh::{CutMesh, OpenedMesh, SurfacePoint};
+pub use halfedge::{EdgeId, FaceId, HalfedgeId, LoopId, Mesh, MeshError, Topology, VertexId};
 pub use soup::Soup;
