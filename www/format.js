@@ -1,0 +1,64 @@
+// Numbers as people read them: a true minus sign, narrow spaces between thousands, as many digits as mean something.
+
+const SPACE = "\u202f";
+const MINUS = "\u2212";
+
+/** A fixed number of decimals. */
+export function fixed(value, decimals) {
+  const [whole, fraction] = Math.abs(value).toFixed(decimals).split(".");
+  const grouped = whole.length > 3 ? whole.replace(/\B(?=(\d{3})+$)/g, SPACE) : whole;
+  const text = fraction ? `${grouped}.${fraction}` : grouped;
+  return value < 0 && /[1-9]/.test(text) ? MINUS + text : text;
+}
+
+/** About four digits, whatever the size. */
+export function short(value) {
+  const size = Math.abs(value);
+  if (size === 0) return "0";
+  if (size < 1e-3 || size >= 1e7) {
+    const [mantissa, exponent] = value.toExponential(1).split("e");
+    return `${mantissa}e${exponent.replace("+", "")}`.replaceAll("-", MINUS);
+  }
+  return fixed(value, size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : 3);
+}
+
+/** Three digits that mean something, as a dial would show them: 0.0100, 2.00, 3 000. */
+export function dial(value) {
+  if (value === 0) return "0";
+  const decimals = Math.max(0, 2 - Math.floor(Math.log10(Math.abs(value))));
+  return decimals > 6 ? short(value) : fixed(value, decimals);
+}
+
+/** Counts are written whole, quantities with about four digits. */
+export const count = (value) => fixed(value, 0);
+
+/** A measure with its unit; a dash where there is none. Without a unit whole numbers are counts. */
+export function measure(value, unit = "") {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  const text = !unit && Number.isInteger(value) ? count(value) : unit && Math.abs(value) >= 0.1 ? fixed(value, 2) : short(value);
+  return unit ? `${text}\u00a0${unit}` : text;
+}
+
+/** A fraction as per cent. */
+export const percent = (fraction) => `${fixed(100 * fraction, 1)}\u00a0%`;
+
+/** `1 piece`, `2 pieces`. */
+export const plural = (n, one, many = `${one}s`) => `${count(n)} ${n === 1 ? one : many}`;
+
+/** What a person typed, or NaN: spaces, a decimal comma and a true minus sign are understood. */
+export function parse(text) {
+  const plain = text.replace(/[\s\u202f\u00a0]/g, "").replace(MINUS, "-").replace(",", ".");
+  return plain === "" ? NaN : Number(plain);
+}
+
+/** Round numbers that divide `[0, top]` into about `parts`. */
+export function ticks(top, parts, whole = false) {
+  if (!(top > 0)) return [0];
+  const raw = top / parts;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  let step = [1, 2, 2.5, 5, 10].find((m) => m * power >= raw * 0.999) * power;
+  if (whole) step = Math.max(1, Math.ceil(step));
+  const list = [];
+  for (let i = 0; i * step <= top * 1.0001; i += 1) list.push(i * step);
+  return list;
+}

@@ -1,0 +1,408 @@
+// Wires the page together: the engine's events go to the panels, what people do goes to the engine as commands. The
+// page itself holds no geometry; it draws, each animation frame, the newest scene that the worker has sent.
+
+import { byId, h, paced, roving } from "./dom.js";
+import { EngineClient } from "./engine-client.js";
+import { FLAT, SURFACE, Views } from "./views.js";
+import { errorPanel, toast, waitStrip } from "./panels/error.js";
+import { download, exportMenu } from "./panels/export-menu.js";
+import { learnPanel } from "./panels/learn.js";
+import { legends } from "./panels/legends.js";
+import { measuresPanel } from "./panels/measures.js";
+import { meshLine } from "./panels/mesh.js";
+import { parametersPanel } from "./panels/parameters.js";
+import { piecesPanel } from "./panels/pieces.js";
+import { energyPlot } from "./panels/plot.js";
+import { ruler } from "./panels/ruler.js";
+import { readAddress, shareButton, valueFor } from "./panels/share.js";
+import { statusPanel } from "./panels/status.js";
+import { theme } from "./panels/theme.js";
+import { measure, percent } from "./format.js";
+
+const FIRST_SAMPLE = "ball";
+const root = document.documentElement;
+const asked = readAddress();
+
+/** What the engine said last. */
+const now = {
+  mesh: null,
+  values: {},
+  fields: { current: "pieces", options: [] },
+  rows: [],
+  pattern: null,
+  scene: null,
+  samples: { options: [], current: null },
+  rejected: false,
+};
+
+const say = toast();
+const wait = waitStrip(() => client.cancel());
+const error = errorPanel(() => {
+  now.rejected = false;
+  delete root.dataset.rejected;
+  client.command({ type: "dismiss_error" });
+});
+const status = statusPanel({
+  run: () => client.command({ type: "run" }),
+  pause: () => client.command({ type: "pause" }),
+  step: takeStep,
+  reset: () => client.command({ type: "reset" }),
+});
+const parameters = parametersPanel(byId("parameters"), (id, value) => client.setParameter(id, value));
+const plot = energyPlot(byId("plot"));
+const measures = measuresPanel(byId("measures"));
+const pieces = piecesPanel(byId("pieces"), (patch) => views.setHover(patch));
+const mesh = meshLine();
+const [surfaceView, flatView] = [document.querySelector(".view.surface"), document.querySelector(".view.flat")];
+const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"));
+const legend = legends(surfaceView.querySelector(".legend"), flatView.querySelector(".legend"));
+const measureRuler = ruler(flatView.querySelector(".ruler"));
+const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern));
+
+const views = new Views(stages, {
+  renderer: (name) => {
+    root.dataset.renderer = name;
+    const title = name === "webgpu" ? "WebGPU" : "WebGL2";
+    byId("hint").replaceChildren(h("span", {}, "Drag to turn · "), title);
+    byId("hint").title = `Drawn with ${title}. Add ?renderer=${name === "webgpu" ? "webgl" : "webgpu"} to the address for the other.`;
+  },
+  taken: () => client.sceneTaken(),
+  drawn: () => measureRuler.show(views.pixelsPerUnit(), now.pattern),
+  hover: (patch) => pieces.light(patch, true),
+  describe: tipFor,
+  failed: (reason) => {
+    client.sceneTaken();
+    error.show({
+      what: "The surfaces cannot be drawn: this browser offers neither WebGPU nor WebGL2.",
+      where: reason,
+      what_to_do: "Switch hardware acceleration on in the browser's settings, or try another browser. Cutting, measures and exports work all the same.",
+    });
+  },
+});
+
+const handlers = {
+  samples(event) {
+    now.samples = event;
+    showSamples();
+  },
+  mesh(event) {
+    now.mesh = event;
+    document.title = `Cutflow – ${event.name}`;
+    mesh.show(event);
+    error.hide();
+    delete root.dataset.rejected;
+    for (const id of ["export", "share", "learn"]) byId(id).disabled = false;
+  },
+  parameters(event) {
+    now.values = event.values;
+    parameters.show(event);
+  },
+  status(event) {
+    status.show(event);
+    learn.update();
+  },
+  energy(event) {
+    plot.add(event);
+    status.energy(event);
+  },
+  measures(event) {
+    now.rows = event.rows;
+    now.pattern = event.pattern ?? null;
+    measures.show(event.rows);
+    pieces.show(event.pieces);
+    updateLegends();
+  },
+  fields(event) {
+    now.fields = event;
+    for (const select of document.querySelectorAll("select.overlay")) {
+      const options = event.options.some(({ id }) => id === "pieces")
+        ? event.options
+        : [{ id: "pieces", label: "Pieces" }, ...event.options];
+      select.replaceChildren(...options.map(({ id, label }) => h("option", { value: id }, label)));
+      select.value = event.current ?? "pieces";
+    }
+  },
+  history({ undo, redo }) {
+    for (const [id, name, text, keys] of [
+      ["undo", "Undo", undo, "Ctrl Z"],
+      ["redo", "Redo", redo, "Ctrl Shift Z"],
+    ]) {
+      byId(id).disabled = !text;
+      byId(id).title = text ? `${name}: ${text} (${keys})` : `Nothing to ${id}`;
+    }
+  },
+  error(event) {
+    now.rejected = event.shows_rejected_mesh;
+    root.toggleAttribute("data-rejected", event.shows_rejected_mesh);
+    showSamples();
+    error.show(event);
+  },
+  scene() {},
+};
+
+const client = new EngineClient({
+  events(list, spent) {
+    for (const event of list) handlers[event.type]?.(event);
+    const steps = list.filter((event) => event.type === "energy" && event.step > 0).length;
+    if (spent > 0) status.spent(spent, steps);
+  },
+  scene(scene) {
+    now.scene = scene;
+    views.setScene(scene);
+    updateLegends();
+    learn.update();
+  },
+  restarted(sentence, hasDocument) {
+    wait.end();
+    say(sentence);
+    if (hasDocument) status.show({ state: "loading", step: 0, text: "Loading the last mesh again" });
+    else status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
+  },
+  failed(reason) {
+    wait.end();
+    const event = {
+      what: "The solver does not run in this browser.",
+      where: reason,
+      what_to_do: "Reload the page. Cutflow needs WebAssembly with SIMD: Chrome 91, Firefox 89, Safari 16.4 or newer.",
+    };
+    error.show(event);
+    status.show({ state: "error", step: 0, text: `Error: ${event.what}` });
+  },
+});
+
+const learn = learnPanel(
+  {
+    field: (id) => id !== now.fields.current && client.command({ type: "show_field", id }),
+    step: takeStep,
+    layout: () => {},
+  },
+  () => ({
+    name: now.mesh?.name ?? "",
+    step: status.step(),
+    points: plot.points(),
+    rows: now.rows,
+    fields: now.fields.options,
+    current: now.fields.current,
+    field: now.scene?.field ?? null,
+  }),
+);
+
+// What people do.
+
+async function takeStep() {
+  if (status.state() === "running") await client.command({ type: "pause" });
+  client.command({ type: "step" });
+}
+
+async function opening(name, open) {
+  status.show({ state: "loading", step: 0, text: `Loading ${name}` });
+  wait.begin(`Loading ${name}`);
+  const answer = await open();
+  if (!client.isOpening) wait.end();
+  // The engine says how it went; a refused file leaves the document before it in place.
+  return answer.events.some((event) => event.type === "mesh");
+}
+
+async function openFile(file) {
+  try {
+    await opening(file.name, async () => client.openMesh(file.name, new Uint8Array(await file.arrayBuffer())));
+  } catch (reason) {
+    // The browser may refuse to read a file that was moved, or a folder.
+    wait.end();
+    const event = {
+      what: `${file.name} cannot be read.`,
+      where: String(reason?.message ?? reason),
+      what_to_do: "Check that it is a file, that it still exists and that you may read it, then open it again.",
+      shows_rejected_mesh: false,
+    };
+    handlers.error(event);
+    status.show({ state: now.mesh ? "ready" : "error", step: 0, text: `Error: ${event.what}` });
+  }
+}
+
+function openSample(name) {
+  const option = now.samples.options.find((sample) => sample.name === name);
+  return opening(option?.label ?? name, () => client.openSample(name));
+}
+
+function showSamples() {
+  const { options } = now.samples;
+  const current = client.document ? (client.document.sample ?? null) : now.samples.current;
+  const select = byId("sample");
+  const isKnown = options.some(({ name }) => name === current);
+  select.replaceChildren(
+    ...(isKnown ? [] : [h("option", { value: "", disabled: true, hidden: true }, "Sample")]),
+    ...options.map(({ name, label }) => h("option", { value: name }, label)),
+  );
+  select.value = isKnown ? current : "";
+}
+
+async function save(kind) {
+  const picture = { "Surface picture (PNG)": SURFACE, "Pattern picture (PNG)": FLAT }[kind];
+  if (picture !== undefined) {
+    const blob = await views.picture(picture);
+    const stem = now.mesh.name.replace(/\.[^.]*$/, "");
+    if (blob) download(`${stem}-${picture === SURFACE ? "surface" : "pattern"}.png`, blob);
+    else say("There is no picture yet.");
+    return;
+  }
+  const { file, refusal } = await client.exportFile(kind);
+  if (refusal) error.show(refusal);
+  else download(file.name, new Blob([file.bytes], { type: file.mime }));
+}
+
+function tipFor(patch) {
+  const piece = pieces.piece(patch);
+  const share = piece?.area_fraction ?? now.scene?.patches[patch]?.area_fraction;
+  if (share === undefined) return [];
+  const seam = piece?.seam_length === null || piece?.seam_length === undefined ? null : `seam ${measure(piece.seam_length, "√A")}`;
+  return [
+    h("b", {}, `Piece ${patch + 1}`),
+    ` ${percent(share)} of the area`,
+    ...[seam, piece?.note].filter(Boolean).flatMap((text) => [h("br"), text]),
+  ];
+}
+
+byId("file").addEventListener("change", ({ target }) => {
+  const [file] = target.files;
+  // The same file may be chosen again after it was changed.
+  target.value = "";
+  if (file) openFile(file);
+});
+byId("sample").addEventListener("change", ({ target }) => openSample(target.value));
+byId("undo").addEventListener("click", () => client.command({ type: "undo" }));
+byId("redo").addEventListener("click", () => client.command({ type: "redo" }));
+for (const select of document.querySelectorAll("select.overlay")) {
+  select.addEventListener("change", () => client.command({ type: "show_field", id: select.value }));
+}
+exportMenu(save);
+shareButton(() => ({
+  sample: client.document?.sample ?? null,
+  name: now.mesh?.name,
+  specs: parameters.specs(),
+  values: now.values,
+}));
+
+// The tools over the views.
+
+function toggle(id, change) {
+  const button = byId(id);
+  button.addEventListener("click", () => {
+    const on = button.getAttribute("aria-pressed") !== "true";
+    button.setAttribute("aria-pressed", String(on));
+    change(on);
+  });
+}
+toggle("wireframe", (on) => views.setWireframe(on));
+toggle("checkerboard", (on) => views.setChecker(on));
+byId("fit-surface").addEventListener("click", () => views.fit(SURFACE));
+byId("fit-pattern").addEventListener("click", () => views.fit(FLAT));
+for (const [id, pans] of [["orbit", false], ["pan", true]]) {
+  byId(id).addEventListener("click", () => {
+    byId("orbit").setAttribute("aria-pressed", String(!pans));
+    byId("pan").setAttribute("aria-pressed", String(pans));
+    views.setPanTool(pans);
+  });
+}
+
+// Tabs: methods that are not built yet say so; the sheet of small screens shows one panel at a time.
+
+const methods = document.querySelector(".methods [role=tablist]");
+function refuse(tab) {
+  if (tab.getAttribute("aria-disabled") === "true") say(`${tab.textContent} is not built yet. This version has the cut flow.`);
+}
+methods.addEventListener("click", ({ target }) => target.role === "tab" && refuse(target));
+roving(methods, "[role=tab]");
+if (asked.method !== "cutflow") {
+  const tab = byId(`tab-${asked.method}`);
+  if (tab) refuse(tab);
+}
+
+const sheet = document.querySelector(".sheet");
+function showSheet(tab) {
+  root.dataset.sheet = tab.dataset.sheet;
+  for (const other of sheet.children) {
+    other.setAttribute("aria-selected", String(other === tab));
+    other.tabIndex = other === tab ? 0 : -1;
+  }
+}
+sheet.addEventListener("click", ({ target }) => target.role === "tab" && showSheet(target));
+roving(sheet, "[role=tab]", showSheet);
+showSheet(sheet.firstElementChild);
+
+// A file may be dropped anywhere.
+
+const drop = byId("drop");
+const holdsFiles = (event) => event.dataTransfer?.types.includes("Files");
+addEventListener("dragenter", (event) => {
+  if (holdsFiles(event)) drop.hidden = false;
+});
+addEventListener("dragover", (event) => {
+  if (!holdsFiles(event)) return;
+  event.preventDefault();
+  event.dataTransfer.dropEffect = "copy";
+  drop.hidden = false;
+});
+addEventListener("dragleave", (event) => {
+  if (!event.relatedTarget) drop.hidden = true;
+});
+addEventListener("drop", (event) => {
+  drop.hidden = true;
+  if (!holdsFiles(event)) return;
+  event.preventDefault();
+  const [file] = event.dataTransfer.files;
+  if (file) openFile(file);
+});
+
+// Keys: letters work wherever nothing is being typed, Space and Enter belong to the control in focus.
+
+const press = (id) => !byId(id).disabled && byId(id).click();
+const keys = {
+  o: () => byId("file").click(),
+  " ": () => press(status.state() === "running" ? "pause" : "run"),
+  ".": () => press("step"),
+  r: () => press("reset"),
+  f: () => (flatView.matches(":hover") ? views.fit(FLAT) : views.fit(SURFACE)),
+  w: () => byId("wireframe").click(),
+  c: () => byId("checkerboard").click(),
+};
+addEventListener("keydown", (event) => {
+  if (event.defaultPrevented || event.altKey) return;
+  const { target } = event;
+  const types = target.matches("select, textarea, input:not([type=range], [type=checkbox], [type=file])");
+  if (event.ctrlKey || event.metaKey) {
+    if (event.key.toLowerCase() !== "z" || types) return;
+    event.preventDefault();
+    press(event.shiftKey ? "redo" : "undo");
+    return;
+  }
+  if (event.key === "Escape" && error.dismiss()) return;
+  const action = keys[event.key.toLowerCase()];
+  const isControl = target.closest("button, a, input, summary, select, [role=menu]") !== null;
+  if (!action || types || (event.key === " " && isControl)) return;
+  event.preventDefault();
+  action();
+});
+
+// Begin: pictures and solver load side by side.
+
+theme((dark) => views.setDark(dark));
+views.start(asked.renderer);
+
+async function begin() {
+  await client.command({ type: "hello" });
+  const { options } = now.samples;
+  const wanted = asked.sample ?? FIRST_SAMPLE;
+  const isKnown = options.length === 0 || options.some(({ name }) => name === wanted);
+  if (!isKnown) say(`There is no sample named ${wanted}; this is the ${FIRST_SAMPLE}.`);
+  const opened = await openSample(isKnown ? wanted : FIRST_SAMPLE);
+  if (!opened) return;
+  for (const spec of parameters.specs()) {
+    const value = spec.id in asked.values ? valueFor(spec, asked.values[spec.id]) : undefined;
+    if (value !== undefined && value !== now.values[spec.id]) {
+      await client.command({ type: "set_parameter", id: spec.id, value });
+    }
+  }
+  if (asked.run) await client.command({ type: "run" });
+}
+begin();

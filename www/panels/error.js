@@ -1,0 +1,81 @@
+// What went wrong, where, and what to do about it; and the short notices that pass by themselves.
+
+import { byId, h, icon } from "../dom.js";
+
+const TOAST_MS = 7000;
+
+/** `dismissed()` is called when the person has read it. */
+export function errorPanel(dismissed) {
+  const host = byId("error");
+  return {
+    /** Takes an `error` event. */
+    show({ what, where, what_to_do }) {
+      const close = h(
+        "button",
+        {
+          class: "icon",
+          "aria-label": "Dismiss",
+          title: "Dismiss (Esc)",
+          onclick: () => {
+            host.hidden = true;
+            dismissed();
+          },
+        },
+        icon("close"),
+      );
+      host.replaceChildren(
+        icon("alert"),
+        h(
+          "div",
+          {},
+          h("p", { class: "what" }, what),
+          where ? h("p", { class: "where" }, where) : null,
+          what_to_do ? h("p", { class: "todo" }, what_to_do) : null,
+        ),
+        close,
+      );
+      host.hidden = false;
+    },
+    hide: () => (host.hidden = true),
+    /** Dismisses what is shown; false if there was nothing. */
+    dismiss() {
+      if (host.hidden) return false;
+      host.querySelector("button").click();
+      return true;
+    },
+  };
+}
+
+/** One sentence that goes away again. */
+export function toast() {
+  const host = byId("toast");
+  let timer = 0;
+  return (sentence) => {
+    clearTimeout(timer);
+    host.textContent = sentence;
+    host.hidden = false;
+    timer = setTimeout(() => (host.hidden = true), TOAST_MS);
+  };
+}
+
+/** A strip with a way out, shown when something takes longer than a moment. */
+export function waitStrip(cancel) {
+  const PATIENCE_MS = 200;
+  const host = byId("wait");
+  const [text, button] = [host.querySelector("span"), host.querySelector("button")];
+  let timer = 0;
+  button.addEventListener("click", () => cancel());
+  return {
+    begin(sentence) {
+      clearTimeout(timer);
+      timer = setTimeout(() => {
+        text.textContent = sentence;
+        host.hidden = false;
+      }, PATIENCE_MS);
+    },
+    end() {
+      clearTimeout(timer);
+      host.hidden = true;
+    },
+  };
+}

@@ -1,0 +1,82 @@
+// The Pieces table: one row a piece, linked with the views by hovering and by focus.
+
+import { h, icon, paced, write } from "../dom.js";
+import { count, measure, percent, short } from "../format.js";
+
+const INTERVAL = 125;
+
+/** `hover(patch)` is called with the piece under the pointer or the focus, -1 for none. */
+export function piecesPanel(host, hover) {
+  let pieces = [];
+  let lit = -1;
+  const body = h("tbody");
+  const lines = [];
+  const isNarrow = matchMedia("(max-width: 820px)");
+  host.append(
+    h(
+      "table",
+      {},
+      h("caption", { class: "sr" }, "Pieces"),
+      h("thead", {}, h("tr", {}, ...["Pieces", "Area", "Seam", "RMS u"].map((name) => h("th", { scope: "col" }, name)))),
+      body,
+    ),
+  );
+
+  function line(i) {
+    while (lines.length <= i) {
+      const n = lines.length;
+      const chip = h("i", { class: "chip" });
+      const warning = h("span", { class: "warning", role: "img", hidden: true }, icon("alert"));
+      const [area, seam, u] = [h("td"), h("td"), h("td")];
+      const [bar, value] = [h("i", { class: "bar" }), h("span")];
+      u.append(bar, value);
+      const head = h("th", { scope: "row" }, chip, h("span", {}, count(n + 1)), warning);
+      const row = h("tr", { onpointerenter: () => hover(n), onpointerleave: () => hover(-1) }, head, area, seam, u);
+      lines.push({ row, chip, warning, area, seam, bar, value });
+    }
+    return lines[i];
+  }
+
+  const redraw = paced(INTERVAL, () => {
+    const largest = Math.max(...pieces.map((piece) => piece.rms_u ?? 0), 1e-12);
+    pieces.forEach((piece, i) => {
+      const { chip, warning, area, seam, bar, value } = line(i);
+      chip.className = `chip c${piece.color}`;
+      const note = piece.note || (piece.has_chart ? "" : "Not flattened yet");
+      warning.hidden = !note;
+      warning.title = note;
+      warning.setAttribute("aria-label", note);
+      write(area, percent(piece.area_fraction));
+      write(seam, measure(piece.seam_length, "√A"));
+      write(value, piece.rms_u === null || piece.rms_u === undefined ? "–" : short(piece.rms_u));
+      bar.style.setProperty("--w", (piece.rms_u ?? 0) / largest);
+    });
+    if (body.childElementCount !== pieces.length) {
+      body.replaceChildren(...lines.slice(0, pieces.length).map(({ row }) => row));
+    }
+  });
+
+  return {
+    show(list) {
+      pieces = list;
+      redraw();
+    },
+    /** The measures of a piece, if there are any yet. */
+    piece: (patch) => pieces[patch],
+    /** Lights the row of a piece; `reveal` brings it into sight. */
+    light(patch, reveal) {
+      lines[lit]?.row.classList.remove("on");
+      lit = patch;
+      const row = lines[patch]?.row;
+      if (!row) return;
+      row.classList.add("on");
+      if (!reveal || isNarrow.matches || !row.isConnected) return;
+      // Scrolls the table only, never the page.
+      const head = host.querySelector("thead").offsetHeight;
+      if (row.offsetTop < host.scrollTop + head) host.scrollTop = row.offsetTop - head;
+      else if (row.offsetTop + row.offsetHeight > host.scrollTop + host.clientHeight) {
+        host.scrollTop = row.offsetTop + row.offsetHeight - host.clientHeight;
+      }
+    },
+  };
+}

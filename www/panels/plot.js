@@ -1,0 +1,99 @@
+// The energy over the steps: one line a term, each named at its right end, so that no key is needed.
+
+import { h, paced, s } from "../dom.js";
+import { count, fixed, short, ticks } from "../format.js";
+
+const COLOURS = ["total", "first", "second", "third"];
+/** Milliseconds between two drawings while a run goes on. */
+const INTERVAL = 125;
+const LEFT = 36;
+const BOTTOM = 20;
+const TOP = 8;
+/** Space between the labels at the ends of the lines. */
+const PITCH = 17;
+
+/** Keeps labels apart: pushes them down in order, then back up from the floor. */
+function spread(wanted, floor) {
+  const order = wanted.map((y, i) => i).sort((a, b) => wanted[a] - wanted[b]);
+  const at = [...wanted];
+  order.forEach((i, k) => {
+    if (k > 0) at[i] = Math.max(at[i], at[order[k - 1]] + PITCH);
+  });
+  let limit = floor;
+  for (const i of order.toReversed()) {
+    at[i] = Math.min(at[i], limit);
+    limit = at[i] - PITCH;
+  }
+  return at;
+}
+
+export function energyPlot(host) {
+  let points = [];
+  let size = { width: 0, height: 0 };
+  const svg = s("svg", { role: "img", "aria-label": "Energy" });
+  const hint = h("p", { class: "muted" }, "The energy of each step appears here. Press Run.");
+  host.append(svg, hint);
+
+  const redraw = paced(INTERVAL, draw);
+  new ResizeObserver(([{ contentRect }]) => {
+    size = contentRect;
+    redraw();
+  }).observe(host);
+
+  function draw() {
+    hint.hidden = points.length > 0;
+    svg.toggleAttribute("hidden", points.length === 0);
+    const { width, height } = size;
+    if (points.length === 0 || width < 80 || height < 60) return;
+
+    const last = points.at(-1);
+    const names = ["Total J", ...last.terms.map((term) => term.name)];
+    const value = (point, line) => (line === 0 ? point.total : (point.terms[line - 1]?.value ?? 0));
+    const labels = Math.min(154, width * 0.42);
+    const right = width - labels;
+    const floor = height - BOTTOM;
+    const yTicks = ticks(Math.max(...points.map((point) => point.total), 1e-12), Math.max(2, Math.floor(height / 36)));
+    const top = Math.max(yTicks.at(-1), ...points.map((point) => point.total), 1e-12);
+    const x = (step) => LEFT + ((right - LEFT) * step) / Math.max(1, last.step);
+    const y = (energy) => floor - ((floor - TOP) * energy) / top;
+
+    // All values with the decimals of the largest, so that they can be added up by eye.
+    const digits = last.total >= 1000 ? 0 : last.total >= 100 ? 1 : last.total >= 1 ? 2 : 4;
+
+    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    const nodes = yTicks.flatMap((tick) => [
+      s("path", { class: "grid", d: `M${LEFT} ${Math.round(y(tick)) + 0.5}H${right}` }),
+      s("text", { class: "ax", x: LEFT - 6, y: y(tick) + 4, "text-anchor": "end" }, short(tick).replace(/\.?0+$/, "") || "0"),
+    ]);
+    for (const tick of ticks(last.step, Math.max(2, Math.floor((right - LEFT) / 70)), true)) {
+      nodes.push(s("text", { class: "ax", x: x(tick), y: height - 4, "text-anchor": "middle" }, count(tick)));
+    }
+    // Two points a pixel are enough.
+    const stride = Math.max(1, Math.floor(points.length / (2 * (right - LEFT))));
+    const drawn = points.filter((point, i) => i % stride === 0 || i === points.length - 1);
+    const ends = spread(names.map((name, line) => y(value(last, line))), floor);
+    for (let line = names.length - 1; line >= 0; line -= 1) {
+      const colour = COLOURS[Math.min(line, COLOURS.length - 1)];
+      const path = drawn.map((point) => `${x(point.step).toFixed(1)} ${y(value(point, line)).toFixed(1)}`).join("L");
+      nodes.push(
+        s("path", { class: colour, d: `M${path}` }),
+        s("circle", { class: colour, cx: x(last.step), cy: y(value(last, line)), r: 2.5 }),
+        s("text", { class: colour, x: right + 9, y: ends[line] + 4 }, names[line]),
+        s("text", { class: "val", x: width, y: ends[line] + 4 }, fixed(value(last, line), digits)),
+      );
+    }
+    svg.replaceChildren(...nodes);
+    const parts = last.terms.map((term) => `${term.name} ${short(term.value)}`).join(", ");
+    svg.setAttribute("aria-label", `Energy ${short(last.total)} after ${count(last.step)} steps, of which ${parts}`);
+  }
+
+  return {
+    /** Takes an `energy` event: step 0 begins a new plot, an earlier step cuts the plot back to it. */
+    add(point) {
+      points = points.filter(({ step }) => step < point.step && point.step > 0);
+      points.push(point);
+      redraw();
+    },
+    points: () => points,
+  };
+}

@@ -1,0 +1,87 @@
+// Transport buttons, the status line, and what a step costs.
+
+import { byId, paced, write } from "../dom.js";
+import { fixed } from "../format.js";
+
+const INTERVAL = 125;
+/** States from which a run can go on, and from which a single step can be taken. */
+const STARTABLE = ["ready", "paused", "converged", "stalled", "step_limit"];
+
+export function statusPanel({ run, pause, step, reset }) {
+  const line = byId("status");
+  const note = byId("note");
+  const buttons = { run: byId("run"), pause: byId("pause"), step: byId("step"), reset: byId("reset") };
+  let state = "loading";
+  let text = line.textContent;
+  let at = 0;
+  let energy = { start: null, now: null };
+  let pace = { steps: 0, spent: 0 };
+
+  buttons.run.addEventListener("click", run);
+  buttons.pause.addEventListener("click", pause);
+  buttons.step.addEventListener("click", step);
+  buttons.reset.addEventListener("click", reset);
+
+  // A counter read aloud eight times a second would drown everything: only changes of state are announced.
+  const count = paced(INTERVAL, () => {
+    if (state === "running" && line.dataset.state === "running") line.setAttribute("aria-live", "off");
+    else line.setAttribute("aria-live", "polite");
+    line.dataset.state = state;
+    write(line, text);
+    line.title = text;
+    write(note, summary());
+  });
+
+  function summary() {
+    const parts = [];
+    if (pace.steps > 0) parts.push(`${fixed(pace.spent / pace.steps, pace.spent / pace.steps < 10 ? 1 : 0)} ms per step`);
+    if (energy.start > 0 && energy.now < energy.start) {
+      parts.push(`J down ${fixed(100 * (1 - energy.now / energy.start), 1)} %`);
+    }
+    return parts.join(", ");
+  }
+
+  function enable() {
+    const canStart = STARTABLE.includes(state);
+    // A button that the keyboard stands on hands the focus to the one that takes its place.
+    const focused = document.activeElement;
+    buttons.run.disabled = !canStart;
+    buttons.pause.disabled = state !== "running";
+    buttons.step.disabled = !canStart;
+    buttons.reset.disabled = state === "loading" || (state === "ready" && at === 0) || state === "error";
+    if (focused === buttons.run && state === "running") buttons.pause.focus();
+    if (focused === buttons.pause && canStart) buttons.run.focus();
+  }
+  enable();
+
+  return {
+    /** Takes a `status` event. */
+    show(event) {
+      const changed = event.state !== state;
+      state = event.state;
+      at = event.step ?? 0;
+      text = event.text;
+      document.documentElement.dataset.state = state;
+      enable();
+      if (changed) line.dataset.state = "";
+      count();
+    },
+    state: () => state,
+    step: () => at,
+    /** Takes an `energy` event. */
+    energy(point) {
+      if (point.step === 0 || energy.start === null) {
+        energy = { start: point.total, now: point.total };
+        pace = { steps: 0, spent: 0 };
+      } else {
+        energy.now = point.total;
+      }
+      count();
+    },
+    /** Milliseconds that the engine spent, and the steps that came of it. */
+    spent(milliseconds, steps) {
+      pace.spent += milliseconds;
+      pace.steps += steps;
+    },
+  };
+}

@@ -1,0 +1,350 @@
+// The two canvases and the viewer behind them. The camera lives in the viewer: this file forwards what the pointer,
+// the wheel and the keys do, hands over sizes and scenes, and makes new canvases when the graphics are lost.
+
+import init, { Viewer } from "./pkg/viewer.js";
+import { h, s } from "./dom.js";
+
+export const SURFACE = 0;
+export const FLAT = 1;
+
+const LABELS = ["Surface view", "Flattened view"];
+/** A turn of the wheel by one notch (100 units) zooms by this factor; trackpads send fractions of it. */
+const WHEEL_ZOOM = 1.25;
+/** Pixels that one press of an arrow key stands for. */
+const KEY_DRAG = 24;
+/** Losing the graphics more often than this in a row means that they cannot be had. */
+const REBUILDS = 4;
+
+/** What the address asks for, else WebGPU where browsers have had it for years and it really answers. */
+async function chooseRenderer(asked) {
+  if (asked === "webgl" || asked === "webgl2") return "webgl2";
+  if (asked === "webgpu") return "webgpu";
+  const isChromium = navigator.userAgentData?.brands.some(({ brand }) => brand === "Chromium") ?? false;
+  return isChromium ? Viewer.probe() : "webgl2";
+}
+
+export class Views {
+  #hosts;
+  #on;
+  #viewer = null;
+  #renderer = "";
+  #scene = null;
+  #sceneIsNew = false;
+  #flags = { dark: false, checker: true, wireframe: false, hover: -1 };
+  #sizes = ["", ""];
+  #rebuilds = 0;
+  #pointerAt = null;
+  #numbers = [];
+  #numbersLayer = s("svg", { class: "numbers", "aria-hidden": "true" });
+  #tip = h("p", { class: "tip", "aria-hidden": "true", hidden: true });
+  #panTool = false;
+  #frame = () => this.#draw();
+
+  /**
+   * @param hosts the two elements that hold the canvases
+   * @param on `renderer(name)`, `taken()` when a scene was handed to the viewer, `hover(patch)`, `describe(patch)`
+   * giving the nodes of the tip, `drawn()` after a picture changed, `failed(reason)`
+   */
+  constructor(hosts, on) {
+    this.#hosts = hosts;
+    this.#on = on;
+    hosts[FLAT].append(this.#numbersLayer);
+    hosts.forEach((host, view) => this.#listen(host, view));
+  }
+
+  async start(asked) {
+    try {
+      await init();
+      this.#renderer = await chooseRenderer(asked);
+      await this.#build();
+    } catch (error) {
+      this.#on.failed(String(error?.message ?? error));
+    }
+    requestAnimationFrame(this.#frame);
+  }
+
+  /** Shows a scene with the next frame. */
+  setScene(scene) {
+    this.#scene = scene;
+    this.#sceneIsNew = true;
+  }
+
+  setDark(on) {
+    this.#flags.dark = on;
+    this.#viewer?.set_theme(on);
+  }
+
+  setChecker(on) {
+    this.#flags.checker = on;
+    this.#viewer?.set_checker(on);
+  }
+
+  setWireframe(on) {
+    this.#flags.wireframe = on;
+    this.#viewer?.set_wireframe(on);
+  }
+
+  /** Outlines a patch in both views; -1 for none. */
+  setHover(patch) {
+    if (this.#flags.hover === patch) return;
+    this.#flags.hover = patch;
+    this.#viewer?.set_hover(patch);
+    this.#on.hover(patch);
+  }
+
+  /** Whether a drag over the surface moves it instead of turning it. */
+  setPanTool(on) {
+    this.#panTool = on;
+  }
+
+  fit(view) {
+    this.#viewer?.fit(view);
+  }
+
+  /** Screen pixels for one unit of the layout, or 0 while nothing is shown. */
+  pixelsPerUnit() {
+    return this.#scene && this.#viewer ? this.#viewer.chart_pixels_per_unit() : 0;
+  }
+
+  /**
+   * The picture of a view as a PNG. Drawn and copied in one task: a WebGPU canvas keeps its pixels only so long.
+   */
+  picture(view) {
+    if (!this.#viewer || !this.#scene) return Promise.resolve(null);
+    // A change and its opposite make the viewer draw although nothing is new.
+    this.#viewer.set_wireframe(!this.#flags.wireframe);
+    this.#viewer.set_wireframe(this.#flags.wireframe);
+    this.#viewer.draw();
+    const canvas = this.#canvas(view);
+    const copy = h("canvas", { width: canvas.width, height: canvas.height });
+    const context = copy.getContext("2d");
+    context.drawImage(canvas, 0, 0);
+    if (view === FLAT) {
+      const ratio = canvas.width / canvas.clientWidth;
+      context.setTransform(ratio, 0, 0, ratio, 0, 0);
+      this.#writeNumbers(context);
+    }
+    return new Promise((resolve) => copy.toBlob(resolve, "image/png"));
+  }
+
+  #canvas(view) {
+    return this.#hosts[view].querySelector("canvas");
+  }
+
+  // A canvas is married to its first context, so every viewer gets new ones.
+  async #build() {
+    const old = this.#viewer;
+    this.#viewer = null;
+    try {
+      old?.free();
+    } catch {
+      // A lost device may refuse to be released; it is gone either way.
+    }
+    for (const [view, host] of this.#hosts.entries()) {
+      const canvas = h("canvas", { role: "img", "aria-label": LABELS[view], tabindex: "0" });
+      canvas.addEventListener("webglcontextlost", (event) => {
+        event.preventDefault();
+        if (this.#canvas(view) === canvas) this.#rebuild();
+      });
+      this.#canvas(view)?.remove();
+      host.prepend(canvas);
+    }
+    let viewer;
+    try {
+      viewer = await Viewer.create(this.#canvas(SURFACE), this.#canvas(FLAT), this.#renderer);
+    } catch (error) {
+      if (this.#renderer !== "webgpu") throw error;
+      this.#renderer = "webgl2";
+      return this.#build();
+    }
+    this.#on.renderer(this.#renderer);
+    this.#sizes = ["", ""];
+    viewer.set_theme(this.#flags.dark);
+    viewer.set_checker(this.#flags.checker);
+    viewer.set_wireframe(this.#flags.wireframe);
+    this.#viewer = viewer;
+    this.#resize();
+    if (this.#scene) viewer.set_scene(this.#scene);
+  }
+
+  async #rebuild() {
+    if (!this.#viewer) return;
+    this.#rebuilds += 1;
+    this.#viewer = null;
+    try {
+      if (this.#rebuilds > REBUILDS) throw new Error("the graphics were lost again and again");
+      if (this.#rebuilds === REBUILDS) this.#renderer = "webgl2";
+      await this.#build();
+    } catch (error) {
+      this.#on.failed(String(error?.message ?? error));
+    }
+  }
+
+  #resize() {
+    const ratio = devicePixelRatio || 1;
+    this.#hosts.forEach((host, view) => {
+      const { clientWidth: width, clientHeight: height } = host;
+      const size = `${width} ${height} ${ratio}`;
+      // A view that is not shown keeps its last size.
+      if (width === 0 || height === 0 || this.#sizes[view] === size) return;
+      this.#sizes[view] = size;
+      this.#viewer.resize(view, width, height, ratio);
+    });
+  }
+
+  #draw() {
+    requestAnimationFrame(this.#frame);
+    if (!this.#viewer) return;
+    if (this.#viewer.is_lost()) {
+      this.#rebuild();
+      return;
+    }
+    this.#resize();
+    if (this.#sceneIsNew) {
+      this.#sceneIsNew = false;
+      this.#viewer.set_scene(this.#scene);
+      this.#on.taken();
+    }
+    this.#pick();
+    if (!this.#viewer.draw()) return;
+    this.#rebuilds = 0;
+    this.#placeNumbers();
+    this.#on.drawn();
+  }
+
+  // The numbers of the pieces are text over the canvas, at a constant size.
+  #placeNumbers() {
+    const anchors = this.#scene ? this.#viewer.anchors() : [];
+    const wanted = anchors.length / 3;
+    while (this.#numbers.length < wanted) {
+      const text = s("text", {}, String(this.#numbers.length + 1));
+      this.#numbers.push(text);
+      this.#numbersLayer.append(text);
+    }
+    while (this.#numbers.length > wanted) this.#numbers.pop().remove();
+    this.#numbers.forEach((text, i) => {
+      const x = anchors[3 * i];
+      const isShown = Number.isFinite(x);
+      text.toggleAttribute("hidden", !isShown);
+      if (isShown) text.setAttribute("transform", `translate(${x.toFixed(1)} ${anchors[3 * i + 1].toFixed(1)})`);
+    });
+  }
+
+  #writeNumbers(context) {
+    const anchors = this.#viewer.anchors();
+    context.font = "600 11px system-ui, sans-serif";
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.fillStyle = "#1b1d22";
+    for (let i = 0; 3 * i < anchors.length; i += 1) {
+      if (Number.isFinite(anchors[3 * i])) context.fillText(String(i + 1), anchors[3 * i], anchors[3 * i + 1]);
+    }
+  }
+
+  // At most one pick a frame, and none while a drag goes on.
+  #pick() {
+    const at = this.#pointerAt;
+    if (!at || !this.#scene) return;
+    this.#pointerAt = null;
+    const patch = this.#viewer.pick(at.view, at.x, at.y)?.patch ?? -1;
+    this.setHover(patch);
+    this.#showTip(patch < 0 ? null : at, patch);
+  }
+
+  #showTip(at, patch) {
+    this.#tip.hidden = at === null;
+    if (at === null) return;
+    const host = this.#hosts[at.view];
+    if (this.#tip.parentElement !== host) host.append(this.#tip);
+    this.#tip.replaceChildren(...this.#on.describe(patch));
+    // Beside the pointer, on the side where there is room.
+    const isLeft = at.x > host.clientWidth / 2;
+    const isAbove = at.y > host.clientHeight / 2;
+    this.#tip.style.translate = `${isLeft ? "calc(-100% - 14px)" : "14px"} ${isAbove ? "calc(-100% - 10px)" : "14px"}`;
+    this.#tip.style.left = `${at.x}px`;
+    this.#tip.style.top = `${at.y}px`;
+  }
+
+  #leave() {
+    this.#pointerAt = null;
+    this.#showTip(null);
+    this.setHover(-1);
+  }
+
+  #listen(host, view) {
+    const pointers = new Map();
+    const place = (event) => {
+      const box = host.getBoundingClientRect();
+      return { view, x: event.clientX - box.left, y: event.clientY - box.top };
+    };
+    const turns = (event) =>
+      view === SURFACE && !this.#panTool && !event.shiftKey && (event.pointerType !== "mouse" || (event.buttons & 6) === 0);
+
+    host.addEventListener("pointerdown", (event) => {
+      if (pointers.size === 2) return;
+      host.setPointerCapture(event.pointerId);
+      pointers.set(event.pointerId, place(event));
+      host.classList.add("dragging");
+      this.#canvas(view)?.focus({ preventScroll: true });
+      if (event.pointerType !== "mouse") this.#pointerAt = place(event);
+      else this.#showTip(null);
+    });
+    host.addEventListener("pointermove", (event) => {
+      const at = place(event);
+      const before = pointers.get(event.pointerId);
+      if (!before) {
+        this.#pointerAt = at;
+        return;
+      }
+      pointers.set(event.pointerId, at);
+      if (!this.#viewer) return;
+      if (pointers.size === 1) {
+        if (turns(event)) this.#viewer.rotate(at.x - before.x, at.y - before.y);
+        else this.#viewer.pan(view, at.x - before.x, at.y - before.y);
+      } else {
+        // Two fingers: half of each one's movement, and the change of their distance.
+        const [other] = [...pointers].filter(([id]) => id !== event.pointerId).map(([, point]) => point);
+        this.#viewer.pan(view, (at.x - before.x) / 2, (at.y - before.y) / 2);
+        const distance = (point) => Math.hypot(point.x - other.x, point.y - other.y);
+        if (distance(before) > 0) {
+          this.#viewer.zoom(view, distance(at) / distance(before), (at.x + other.x) / 2, (at.y + other.y) / 2);
+        }
+      }
+    });
+    const release = (event) => {
+      pointers.delete(event.pointerId);
+      if (pointers.size === 0) host.classList.remove("dragging");
+    };
+    host.addEventListener("pointerup", release);
+    host.addEventListener("pointercancel", release);
+    host.addEventListener("pointerleave", (event) => {
+      if (event.pointerType === "mouse" && pointers.size === 0) this.#leave();
+    });
+    host.addEventListener("contextmenu", (event) => event.preventDefault());
+    host.addEventListener("dblclick", () => this.fit(view));
+    host.addEventListener(
+      "wheel",
+      (event) => {
+        event.preventDefault();
+        // Lines and pages count as what they usually scroll; a pinch on a trackpad comes as a small wheel with Ctrl.
+        const unit = [1, 16, 400][event.deltaMode] * (event.ctrlKey ? 5 : 1);
+        const { x, y } = place(event);
+        this.#viewer?.zoom(view, WHEEL_ZOOM ** ((-event.deltaY * unit) / 100), x, y);
+        this.#showTip(null);
+      },
+      { passive: false },
+    );
+    host.addEventListener("keydown", (event) => {
+      if (!this.#viewer || event.ctrlKey || event.metaKey || event.altKey) return;
+      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+      const zoom = { "+": WHEEL_ZOOM, "=": WHEEL_ZOOM, "-": 1 / WHEEL_ZOOM }[event.key];
+      if (step && view === SURFACE && !event.shiftKey) this.#viewer.rotate(step[0] * KEY_DRAG, step[1] * KEY_DRAG);
+      else if (step) this.#viewer.pan(view, step[0] * KEY_DRAG, step[1] * KEY_DRAG);
+      else if (zoom) this.#viewer.zoom(view, zoom, host.clientWidth / 2, host.clientHeight / 2);
+      else if (event.key === "f" || event.key === "F") this.fit(view);
+      else return;
+      event.preventDefault();
+      event.stopPropagation();
+    });
+  }
+}
