@@ -23,7 +23,7 @@ pub struct Soup {
 impl Soup {
     /// A soup of triangles.
     pub fn from_triangles(positions: Vec<[f64; 3]>, triangles: &[[u32; 3]]) -> Self {
-        let starts = (0..=triangles.len()).map(|i| 3 * i as u32).collect();
+        let starts = (0..).step_by(3).take(triangles.len() + 1).collect();
         Self { positions, corners: triangles.concat(), starts, ..Self::default() }
     }
 
