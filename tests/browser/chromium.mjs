@@ -1,0 +1,52 @@
+// Starts Chromium with one of the two graphics backends, and listens for what goes wrong in it.
+
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+/** What a software WebGPU with visible canvases takes; any other combination has a device and draws nothing. */
+const WEBGPU = [
+  "--enable-unsafe-webgpu",
+  "--use-webgpu-adapter=swiftshader",
+  "--enable-features=Vulkan",
+  "--use-vulkan=swiftshader",
+  "--use-angle=swiftshader",
+];
+
+/** The backends: what the address asks for, what the page then says, and the browser's flags. */
+export const RENDERERS = [
+  { query: "webgl", name: "webgl2", flags: [] },
+  { query: "webgpu", name: "webgpu", flags: WEBGPU },
+];
+
+export const PAGE = needed("CUTFLOW_URL");
+export const PACKED_PAGE = needed("CUTFLOW_PACKED_URL");
+const SCREENSHOTS = needed("CUTFLOW_SCREENSHOTS");
+
+/** A browser with one empty page, `{ page, troubles, close }`; `troubles` fills with what the page complains of. */
+export async function open(renderer) {
+  const browser = await chromium.launch({
+    executablePath: needed("CHROMIUM"),
+    args: [...needed("CHROMIUM_FLAGS").split(" "), ...renderer.flags],
+    headless: true,
+  });
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, reducedMotion: "reduce", colorScheme: "light" });
+  const troubles = [];
+  page.on("console", (message) => message.type() === "error" && troubles.push(message.text()));
+  page.on("pageerror", (error) => troubles.push(error.stack ?? String(error)));
+  page.on("crash", () => troubles.push("the page crashed"));
+  page.on("response", (response) => response.status() >= 400 && troubles.push(`${response.status()} ${response.url()}`));
+  return { page, troubles, close: () => browser.close() };
+}
+
+/** Keeps a picture of the whole page for people to look at. */
+export async function screenshot(page, name) {
+  mkdirSync(SCREENSHOTS, { recursive: true });
+  await page.screenshot({ path: join(SCREENSHOTS, `${name}.png`) });
+}
+
+function needed(variable) {
+  const value = process.env[variable];
+  if (value === undefined) throw new Error(`${variable} is not set: start the tests with \`cargo xtask test --browser\``);
+  return value;
+}
