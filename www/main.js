@@ -71,7 +71,6 @@ const views = new Views(stages, {
   hover: (patch) => pieces.light(patch, true),
   describe: tipFor,
   failed: (reason) => {
-    client.sceneTaken();
     error.show({
       what: "The surfaces cannot be drawn: this browser offers neither WebGPU nor WebGL2.",
       where: reason,
@@ -89,7 +88,7 @@ const handlers = {
     now.mesh = event;
     document.title = `Cutflow – ${event.name}`;
     mesh.show(event);
-    error.hide();
+    error.hideRefusal();
     delete root.dataset.rejected;
     for (const id of ["export", "share", "learn"]) byId(id).disabled = false;
   },
@@ -135,7 +134,7 @@ const handlers = {
     now.rejected = event.shows_rejected_mesh;
     root.toggleAttribute("data-rejected", event.shows_rejected_mesh);
     showSamples();
-    error.show(event);
+    error.show(event, true);
   },
   scene() {},
 };
@@ -309,7 +308,7 @@ for (const [id, pans] of [["orbit", false], ["pan", true]]) {
 
 const methods = document.querySelector(".methods [role=tablist]");
 function refuse(tab) {
-  if (tab.getAttribute("aria-disabled") === "true") say(`${tab.textContent} is not built yet. This version has the cut flow.`);
+  if (tab.getAttribute("aria-disabled") === "true") say(`“${tab.textContent}” is not built yet: this version has the cut flow.`);
 }
 methods.addEventListener("click", ({ target }) => target.role === "tab" && refuse(target));
 roving(methods, "[role=tab]");

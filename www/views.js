@@ -33,6 +33,7 @@ export class Views {
   #flags = { dark: false, checker: true, wireframe: false, hover: -1 };
   #sizes = ["", ""];
   #rebuilds = 0;
+  #isBlind = false;
   #pointerAt = null;
   #numbers = [];
   #numbersLayer = s("svg", { class: "numbers", "aria-hidden": "true" });
@@ -58,9 +59,15 @@ export class Views {
       this.#renderer = await chooseRenderer(asked);
       await this.#build();
     } catch (error) {
-      this.#on.failed(String(error?.message ?? error));
+      this.#fail(error);
     }
     requestAnimationFrame(this.#frame);
+  }
+
+  // Without pictures scenes are still taken, so that everything else goes on.
+  #fail(error) {
+    this.#isBlind = true;
+    this.#on.failed(String(error?.message ?? error));
   }
 
   /** Shows a scene with the next frame. */
@@ -142,8 +149,7 @@ export class Views {
     }
     for (const [view, host] of this.#hosts.entries()) {
       const canvas = h("canvas", { role: "img", "aria-label": LABELS[view], tabindex: "0" });
-      canvas.addEventListener("webglcontextlost", (event) => {
-        event.preventDefault();
+      canvas.addEventListener("webglcontextlost", () => {
         if (this.#canvas(view) === canvas) this.#rebuild();
       });
       this.#canvas(view)?.remove();
@@ -176,7 +182,7 @@ export class Views {
       if (this.#rebuilds === REBUILDS) this.#renderer = "webgl2";
       await this.#build();
     } catch (error) {
-      this.#on.failed(String(error?.message ?? error));
+      this.#fail(error);
     }
   }
 
@@ -194,6 +200,10 @@ export class Views {
 
   #draw() {
     requestAnimationFrame(this.#frame);
+    if (this.#isBlind && this.#sceneIsNew) {
+      this.#sceneIsNew = false;
+      this.#on.taken();
+    }
     if (!this.#viewer) return;
     if (this.#viewer.is_lost()) {
       this.#rebuild();

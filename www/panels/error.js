@@ -2,14 +2,17 @@
 
 import { byId, h, icon } from "../dom.js";
 
-const TOAST_MS = 7000;
+/** Long enough to read a sentence twice. */
+const TOAST_MS = 6000;
 
 /** `dismissed()` is called when the person has read it. */
 export function errorPanel(dismissed) {
   const host = byId("error");
+  let isRefusal = false;
   return {
-    /** Takes an `error` event. */
-    show({ what, where, what_to_do }) {
+    /** Takes an `error` event; a refusal is about a document and goes when another one is opened. */
+    show({ what, where, what_to_do }, refusal = false) {
+      isRefusal = refusal;
       const close = h(
         "button",
         {
@@ -36,7 +39,9 @@ export function errorPanel(dismissed) {
       );
       host.hidden = false;
     },
-    hide: () => (host.hidden = true),
+    hideRefusal() {
+      if (isRefusal) host.hidden = true;
+    },
     /** Dismisses what is shown; false if there was nothing. */
     dismiss() {
       if (host.hidden) return false;

@@ -86,8 +86,8 @@ export function learnPanel(on, facts) {
     const previous = points.at(-2);
     const list = [];
     if (field && at !== 2) {
-      list.push([`${field.label}, least to most`, `${short(field.extremes[0])} to ${measure(field.extremes[1], field.unit)}`]);
-      list.push([`${field.label}, mean`, measure(field.mean, field.unit)]);
+      list.push([`${field.label}, least to most`, `${short(field.extremes[0])} to ${short(field.extremes[1])} ${field.unit}`]);
+      list.push([`${field.label}, mean`, `${short(field.mean)} ${field.unit}`]);
     }
     if (at >= 2 && last) {
       const change = (now, then) => (then === undefined ? short(now) : `${short(then)} → ${short(now)}`);

@@ -47,7 +47,7 @@ export function shareButton(state) {
       const now = state();
       field.value = address(now);
       field.focus();
-      field.select();
+      field.setSelectionRange(0, field.value.length, "backward");
       title.textContent = "Link to this setting";
       note.textContent = now.sample
         ? "Whoever opens it sees the same sample with the same parameters."
