@@ -68,7 +68,7 @@ for (const renderer of RENDERERS) {
     });
 
     it("draws the surface and its pieces", async () => {
-      // The cards shown are those of the last scene; it may take a frame or two to be on them.
+      // The newest scene may take a frame or two to reach the canvases.
       await page.page.waitForTimeout(500);
       pictures[renderer.name] = {};
       for (const label of CANVASES) {
