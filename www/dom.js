@@ -35,18 +35,30 @@ export function write(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
 
+/** What waits for its turn to be drawn. */
+const due = new Set();
+
 /** Calls `draw` at most once in `interval` milliseconds; the last request is never lost. */
 export function paced(interval, draw) {
   let last = -Infinity;
   let timer = 0;
   const call = () => {
+    clearTimeout(timer);
     timer = 0;
+    due.delete(call);
     last = performance.now();
     draw();
   };
   return () => {
-    if (!timer) timer = setTimeout(call, Math.max(0, last + interval - performance.now()));
+    if (timer) return;
+    timer = setTimeout(call, Math.max(0, last + interval - performance.now()));
+    due.add(call);
   };
+}
+
+/** Draws at once whatever waits: what has come to rest is shown whole. */
+export function settle() {
+  for (const call of [...due]) call();
 }
 
 /** Arrow keys, Home and End move the focus inside a composite widget; `choose` is told the new item. */

@@ -1,7 +1,7 @@
 // Wires the page together: the engine's events go to the panels, what people do goes to the engine as commands. The
 // page itself holds no geometry; it draws, each animation frame, the newest scene that the worker has sent.
 
-import { byId, h, paced, roving } from "./dom.js";
+import { byId, h, paced, roving, settle } from "./dom.js";
 import { EngineClient } from "./engine-client.js";
 import { FLAT, SURFACE, Views } from "./views.js";
 import { errorPanel, toast, waitStrip } from "./panels/error.js";
@@ -144,6 +144,7 @@ const client = new EngineClient({
     for (const event of list) handlers[event.type]?.(event);
     const steps = list.filter((event) => event.type === "energy" && event.step > 0).length;
     if (spent > 0) status.spent(spent, steps);
+    if (status.state() !== "running") settle();
   },
   scene(scene) {
     now.scene = scene;

@@ -52,7 +52,7 @@ export function energyPlot(host) {
     const labels = Math.min(154, width * 0.42);
     const right = width - labels;
     const floor = height - BOTTOM;
-    const yTicks = ticks(Math.max(...points.map((point) => point.total), 1e-12), Math.max(2, Math.floor(height / 36)));
+    const yTicks = ticks(Math.max(...points.map((point) => point.total), 1e-12), Math.min(5, Math.max(2, Math.floor(height / 36))));
     const top = Math.max(yTicks.at(-1), ...points.map((point) => point.total), 1e-12);
     const x = (step) => LEFT + ((right - LEFT) * step) / Math.max(1, last.step);
     const y = (energy) => floor - ((floor - TOP) * energy) / top;
