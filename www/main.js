@@ -32,15 +32,14 @@ const now = {
   pattern: null,
   scene: null,
   samples: { options: [], current: null },
-  rejected: false,
 };
 
 const say = toast();
 const wait = waitStrip(() => client.cancel());
-const error = errorPanel(() => {
-  now.rejected = false;
+const error = errorPanel(async () => {
   delete root.dataset.rejected;
-  client.command({ type: "dismiss_error" });
+  await client.command({ type: "dismiss_error" });
+  status.recover();
 });
 const status = statusPanel({
   run: () => client.command({ type: "run" }),
@@ -131,7 +130,6 @@ const handlers = {
     }
   },
   error(event) {
-    now.rejected = event.shows_rejected_mesh;
     root.toggleAttribute("data-rejected", event.shows_rejected_mesh);
     showSamples();
     error.show(event, true);
@@ -216,7 +214,7 @@ async function openFile(file) {
       shows_rejected_mesh: false,
     };
     handlers.error(event);
-    status.show({ state: now.mesh ? "ready" : "error", step: 0, text: `Error: ${event.what}` });
+    status.show({ state: "error", step: 0, text: `Error: ${event.what}` });
   }
 }
 

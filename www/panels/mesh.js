@@ -26,9 +26,10 @@ export function meshLine() {
           ? [h("p", {}, "Indices, coordinates, edges and orientation were checked; nothing had to be repaired.")]
           : [h("ul", {}, ...notices.map((notice) => h("li", {}, notice.text)))]),
       );
+      const facts = `${plural(vertices, "vertex", "vertices")} · ${plural(faces, "face")} · ${shape(mesh)}`;
       host.replaceChildren(
-        h("b", {}, name),
-        h("span", {}, `${plural(vertices, "vertex", "vertices")} · ${plural(faces, "face")} · ${shape(mesh)}`),
+        h("b", { title: `${name}: ${facts}` }, name),
+        h("span", {}, facts),
         h("span", { class: "menu" }, button, list),
       );
       popover(button, list);

@@ -51,6 +51,7 @@ function numberRow(spec, range, change) {
   const unit = spec.unit ?? "";
   const input = h("input", {
     "aria-label": spec.label,
+    "aria-description": spec.help,
     inputmode: "decimal",
     autocomplete: "off",
     spellcheck: "false",
@@ -156,7 +157,7 @@ function choiceRow(spec, options, change) {
   if (options.length <= 3 && letters <= SEGMENT_LETTERS) return segmentRow(spec, options, change, false);
   const select = h(
     "select",
-    { "aria-label": spec.label, onchange: () => change(select.value) },
+    { "aria-label": spec.label, "aria-description": spec.help, onchange: () => change(select.value) },
     ...options.map((option) => h("option", { value: option.id }, option.label)),
   );
   const row = h("label", { class: "row", title: spec.help }, spec.label, h("span", { class: "pick" }, select, icon("down")));
@@ -168,6 +169,7 @@ function switchRow(spec, change) {
     type: "checkbox",
     role: "switch",
     "aria-label": spec.label,
+    "aria-description": spec.help,
     onchange: () => change(box.checked),
   });
   const row = h("label", { class: "row", title: spec.help }, h("span", {}, spec.label), box);

@@ -14,6 +14,7 @@ export function statusPanel({ run, pause, step, reset }) {
   let state = "loading";
   let text = line.textContent;
   let at = 0;
+  let atRest = null;
   let energy = { start: null, now: null };
   let pace = { steps: 0, spent: 0 };
 
@@ -60,11 +61,16 @@ export function statusPanel({ run, pause, step, reset }) {
       const changed = event.state !== state;
       state = event.state;
       at = event.step ?? 0;
+      if (STARTABLE.includes(state)) atRest = event;
       text = event.text;
       document.documentElement.dataset.state = state;
       enable();
       if (changed) line.dataset.state = "";
       count();
+    },
+    /** Back to what was shown before an error, where nothing else has come since. */
+    recover() {
+      if (state === "error" && atRest) this.show(atRest);
     },
     state: () => state,
     step: () => at,
