@@ -212,7 +212,12 @@ export class Views {
     this.#resize();
     if (this.#sceneIsNew) {
       this.#sceneIsNew = false;
-      this.#viewer.set_scene(this.#scene);
+      try {
+        this.#viewer.set_scene(this.#scene);
+      } catch (error) {
+        // The viewer keeps the picture before; whatever is wrong with this scene, the next may be sound.
+        console.error("A scene was refused:", error);
+      }
       this.#on.taken();
     }
     this.#pick();

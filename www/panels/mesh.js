@@ -12,27 +12,28 @@ function shape({ components, boundary_loops, genus }) {
 }
 
 export function meshLine() {
-  const host = byId("mesh");
+  const [name, facts] = [h("b"), h("span")];
+  const button = h("button", { class: "link" });
+  const list = h("div", { class: "pop list", role: "group", "aria-label": "Notices", hidden: true });
+  const menu = h("span", { class: "menu", hidden: true }, button, list);
+  byId("mesh").append(name, facts, menu);
+  const { show } = popover(button, list);
+
   return {
     /** Takes a `mesh` event. */
     show(mesh) {
-      const { name, vertices, faces, notices } = mesh;
-      const isClean = notices.length === 0;
-      const button = h("button", { class: "link" }, isClean ? "No issues found" : plural(notices.length, "notice"));
-      const list = h(
-        "div",
-        { class: "pop list", role: "group", "aria-label": "Notices", hidden: true },
-        ...(isClean
-          ? [h("p", {}, "Indices, coordinates, edges and orientation were checked; nothing had to be repaired.")]
-          : [h("ul", {}, ...notices.map((notice) => h("li", {}, notice.text)))]),
+      const { vertices, faces, notices } = mesh;
+      name.textContent = mesh.name;
+      facts.textContent = `${plural(vertices, "vertex", "vertices")} · ${plural(faces, "face")} · ${shape(mesh)}`;
+      name.title = `${mesh.name}: ${facts.textContent}`;
+      show(false);
+      menu.hidden = false;
+      button.textContent = notices.length === 0 ? "No issues found" : plural(notices.length, "notice");
+      list.replaceChildren(
+        notices.length === 0
+          ? h("p", {}, "Indices, coordinates, edges and orientation were checked; nothing had to be repaired.")
+          : h("ul", {}, ...notices.map((notice) => h("li", {}, notice.text))),
       );
-      const facts = `${plural(vertices, "vertex", "vertices")} · ${plural(faces, "face")} · ${shape(mesh)}`;
-      host.replaceChildren(
-        h("b", { title: `${name}: ${facts}` }, name),
-        h("span", {}, facts),
-        h("span", { class: "menu" }, button, list),
-      );
-      popover(button, list);
     },
   };
 }
