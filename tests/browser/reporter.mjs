@@ -7,7 +7,8 @@ export default async function* reporter(source) {
     const isSuite = data?.details?.type === "suite";
     switch (type) {
       case "test:start":
-        // Names of suites; whether it is one shows only at its end, by when its tests have been printed.
+        // All that stands at the top is a suite.
+        if (data.nesting === 0) yield `${data.name}\n`;
         break;
       case "test:pass":
         if (isSuite) break;
@@ -39,5 +40,6 @@ const reason = (skip) => (typeof skip === "string" ? `: ${skip}` : "");
 function explanation(error, indent) {
   const cause = error.cause ?? error;
   const text = String(cause.stack ?? cause.message ?? cause);
-  return text.split("\n").map((line) => `${indent}      ${line}\n`).join("");
+  const lines = text.split("\n").filter((line) => !/^\s+at .*node:internal/.test(line));
+  return lines.map((line) => `${indent}      ${line}\n`).join("");
 }

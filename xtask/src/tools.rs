@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use crate::{debian, process, project};
 
@@ -11,6 +11,9 @@ const WASM_BINDGEN: &str = "0.2.130";
 
 /// npm's `binaryen`, which carries wasm-opt inside the package.
 const BINARYEN: &str = "132.0.0";
+
+/// What playwright-core asks for.
+const OLDEST_NODE: u32 = 20;
 
 /// The folder that has `wasm-bindgen` and `wasm-bindgen-test-runner`.
 pub fn wasm_bindgen() -> Result<PathBuf> {
@@ -61,10 +64,16 @@ pub fn binaryen() -> Result<PathBuf> {
     Ok(package)
 }
 
-/// Makes sure of Node and npm.
+/// Makes sure of npm and of a Node that is new enough for what it installs here.
 pub fn node() -> Result<()> {
     if process::find("node").is_none() || process::find("npm").is_none() {
         debian::install(&["nodejs", "npm"], "drive a browser")?;
+    }
+    let version = process::ask(process::command("node").arg("--version")).unwrap_or_default();
+    let major =
+        version.trim_start_matches('v').split('.').next().and_then(|number| number.parse().ok());
+    if major.is_none_or(|major: u32| major < OLDEST_NODE) {
+        bail!("Node {OLDEST_NODE} or newer is needed; this is {version}. See https://nodejs.org");
     }
     Ok(())
 }
