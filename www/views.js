@@ -118,9 +118,8 @@ export class Views {
    */
   picture(view) {
     if (!this.#viewer || !this.#scene) return Promise.resolve(null);
-    // A change and its opposite make the viewer draw although nothing is new.
-    this.#viewer.set_wireframe(!this.#flags.wireframe);
-    this.#viewer.set_wireframe(this.#flags.wireframe);
+    // Setting the theme makes the viewer draw although nothing is new.
+    this.#viewer.set_theme(this.#flags.dark);
     this.#viewer.draw();
     const canvas = this.#canvas(view);
     const copy = h("canvas", { width: canvas.width, height: canvas.height });
