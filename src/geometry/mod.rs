@@ -7,6 +7,7 @@
 //! are not finite and triangles without area. Not guaranteed: good conditioning; slivers give large cotangents.
 
 mod curvature;
+mod distance;
 mod laplacian;
 pub mod polygon;
 pub mod triangle;
@@ -16,6 +17,7 @@ use nalgebra::{Point3, Vector3};
 use crate::mesh::{EdgeId, FaceId, Mesh, SurfacePoint, VertexId};
 
 pub use curvature::{angle_defects, angle_sums, face_curvatures};
+pub use distance::geodesic_distances;
 pub use laplacian::Laplacian;
 
 /// Why a surface has no usable metric.
@@ -110,6 +112,39 @@ impl Geometry {
         let corner_angles = mesh.faces().map(|f| triangle::angles(lengths(f))).collect();
         let corner_cotangents = mesh.faces().map(|f| triangle::cotangents(lengths(f))).collect();
         Ok(Self { positions, edge_lengths, face_areas, corner_angles, corner_cotangents })
+    }
+
+    /// Measures the pieces of a cut surface: slivers are legal there, so nothing is refused.
+    ///
+    /// Angles and cotangents come from positions, because side lengths alone lose half the digits of a flat triangle's
+    /// height. A face flatter than 1e-8 of its longest side gets the cotangents of that height: larger ones would cost the
+    /// Laplacian more digits than the sliver's shape is worth; scaling a face's cotangents keeps the Laplacian semi-definite.
+    ///
+    /// **Gives** finite values unless a position is not finite; a side of length 0 makes angles that do not sum to π.
+    /// **Costs** O(V + F).
+    pub fn measure(mesh: &Mesh, positions: Vec<Point3<f64>>) -> Self {
+        assert_eq!(positions.len(), mesh.vertex_count());
+        let edge_lengths = mesh
+            .edges()
+            .map(|e| {
+                let [a, b] = mesh.edge_vertices(e);
+                (positions[a.index()] - positions[b.index()]).norm()
+            })
+            .collect();
+        let mut face_areas = Vec::with_capacity(mesh.face_count());
+        let mut corner_angles = Vec::with_capacity(mesh.face_count());
+        let mut corner_cotangents = Vec::with_capacity(mesh.face_count());
+        for &vertices in mesh.triangles() {
+            let [a, b, c] = vertices.map(|v| positions[v.index()]);
+            let sides = [b - a, c - b, a - c];
+            let doubled = sides[0].cross(&sides[1]).norm();
+            let longest = sides.iter().fold(f64::MIN_POSITIVE, |m, side| m.max(side.norm_squared()));
+            let dots = [0, 1, 2].map(|i| -sides[i].dot(&sides[(i + 2) % 3]));
+            face_areas.push(0.5 * doubled);
+            corner_angles.push(dots.map(|dot| doubled.atan2(dot)));
+            corner_cotangents.push(dots.map(|dot| dot / doubled.max(1e-8 * longest)));
+        }
+        Self { positions, edge_lengths, face_areas, corner_angles, corner_cotangents }
     }
 
     /// Measures a surface after moving its bounding box to the origin and scaling it to area 1.

@@ -1,0 +1,115 @@
+//! Which vertices may change their label in one step.
+//!
+//! A vertex is *simple* for a change if its link meets the old and the new label in one arc each: then neither patch is torn,
+//! joined or pierced. Changes are made one after the other, so that the guarantee holds for all of them together. A vertex may
+//! only take a label that stood across a crossed edge before the step: the cut never jumps more than one edge.
+
+use super::band::LevelSets;
+use crate::mesh::{Mesh, VertexId};
+
+/// Passes over the refused changes: one change can make room for the next.
+const PASSES: usize = 6;
+
+/// A refused vertex is put back this far inside its patch, in mean edge lengths. Much less makes a neck so thin that it
+/// throttles every later step.
+const MARGIN: f64 = 0.1;
+
+/// Refuses the changes from `old` to `levels.labels` that are not simple, and puts those vertices back.
+///
+/// **Takes** `vanish`: whether the last vertex of a patch may go (needed with many patches). **Gives** whether anything was
+/// refused.
+pub(super) fn keep_simple(
+    mesh: &Mesh,
+    old: &[u32],
+    levels: &mut LevelSets,
+    vanish: bool,
+    mean_edge: f64,
+) -> bool {
+    let mut waiting: Vec<(VertexId, u32, f64)> = levels
+        .band()
+        .filter(|v| levels.labels[v.index()] != old[v.index()])
+        .map(|v| {
+            let wanted = levels.labels[v.index()];
+            (v, wanted, levels.value(v, wanted).abs())
+        })
+        .collect();
+    if waiting.is_empty() {
+        return false;
+    }
+    // Deepest first: those are the changes that the flow is surest of.
+    waiting.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
+    let mut labels = old.to_vec();
+    for _ in 0..PASSES {
+        let before = waiting.len();
+        waiting.retain(|&(v, wanted, _)| {
+            let reachable = mesh.outgoing(v).any(|h| old[mesh.tip(h).index()] == wanted);
+            let allowed = reachable && is_simple(mesh, &labels, v, wanted, vanish);
+            if allowed {
+                labels[v.index()] = wanted;
+            }
+            !allowed
+        });
+        if waiting.is_empty() || waiting.len() == before {
+            break;
+        }
+    }
+    for &(v, _, _) in &waiting {
+        levels.put_back(v, old[v.index()], MARGIN * mean_edge);
+    }
+    !waiting.is_empty()
+}
+
+/// Whether giving `v` the label `wanted` changes no patch's topology.
+pub(super) fn is_simple(
+    mesh: &Mesh,
+    labels: &[u32],
+    v: VertexId,
+    wanted: u32,
+    vanish: bool,
+) -> bool {
+    let own = labels[v.index()];
+    let arcs = |label: u32| {
+        let (mut first, mut last, mut count) = (None, false, 0);
+        for h in mesh.outgoing(v) {
+            let inside = labels[mesh.tip(h).index()] == label;
+            count += usize::from(inside && !last);
+            first.get_or_insert(inside);
+            last = inside;
+        }
+        // Around an interior vertex the last arc may continue in the first.
+        let wraps = !mesh.is_boundary_vertex(v) && first == Some(true) && last;
+        if wraps && count > 1 { count - 1 } else { count }
+    };
+    let (old_arcs, new_arcs) = (arcs(own), arcs(wanted));
+    new_arcs == 1 && (old_arcs == 1 || (vanish && old_arcs == 0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wheel: hub 0, rim 1..=n.
+    fn wheel(n: u32) -> Mesh {
+        let triangles: Vec<[u32; 3]> = (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect();
+        Mesh::new(n as usize + 1, &triangles).unwrap()
+    }
+
+    #[test]
+    fn one_arc_each_is_simple_and_anything_else_is_not() {
+        let mesh = wheel(6);
+        let hub = VertexId(0);
+        let simple = |rim: [u32; 6], vanish: bool| {
+            let mut labels = vec![0];
+            labels.extend(rim);
+            is_simple(&mesh, &labels, hub, 1, vanish)
+        };
+        assert!(simple([0, 0, 1, 1, 0, 0], false), "arcs may wrap around");
+        assert!(simple([1, 0, 0, 0, 1, 1], false));
+        assert!(simple([0, 2, 1, 1, 2, 2], false), "other labels may lie anywhere");
+        assert!(!simple([0, 1, 0, 0, 1, 0], false), "would join two arms and tear the other patch");
+        assert!(!simple([0, 0, 0, 0, 0, 0], false), "would start an island");
+        assert!(!simple([1, 1, 1, 1, 1, 1], false), "would end a patch");
+        assert!(simple([1, 1, 1, 1, 1, 1], true));
+        assert!(!simple([1, 2, 1, 2, 2, 2], true), "would join two arms over a dying patch");
+    }
+}
