@@ -1,1 +1,245 @@
-//! The viewer for JavaScript.
+//! The viewer for JavaScript: a thin skin over [`viewer`](crate::viewer).
+
+use crate::session::scene::{FieldScene, PatchScene, Scene};
+use crate::viewer::camera::Viewport;
+use crate::viewer::canvas::{Backend, Canvas};
+use crate::viewer::stage::{Stage, View};
+use glam::Vec2;
+use js_sys::{Array, Float32Array, Object, Reflect, Uint32Array};
+use wasm_bindgen::prelude::*;
+use web_sys::HtmlCanvasElement;
+
+/// Both pictures of the page. Places and movements are in CSS pixels; `view` is 0 for the surface
+/// and 1 for the charts.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Viewer {
+    stage: Stage,
+    canvases: [Canvas; 2],
+    backend: Backend,
+}
+
+#[wasm_bindgen]
+impl Viewer {
+    /// `webgpu` if a device can really be had, else `webgl2`, else throws.
+    pub async fn probe() -> Result<String, JsError> {
+        console_error_panic_hook::set_once();
+        Ok(Backend::probe().await?.name().into())
+    }
+
+    /// Opens two canvases that nothing has touched before.
+    pub async fn create(
+        surface: HtmlCanvasElement,
+        flat: HtmlCanvasElement,
+        backend: String,
+    ) -> Result<Viewer, JsError> {
+        console_error_panic_hook::set_once();
+        let backend = Backend::from_name(&backend)
+            .ok_or_else(|| JsError::new(&format!("no backend is called {backend}")))?;
+        let canvases = backend.open([surface, flat]).await?;
+        Ok(Self { stage: Stage::default(), canvases, backend })
+    }
+
+    /// `webgpu` or `webgl2`.
+    #[wasm_bindgen(getter)]
+    pub fn backend(&self) -> String {
+        self.backend.name().into()
+    }
+
+    /// Takes a newer scene; throws and keeps the old one if it is broken.
+    pub fn set_scene(&mut self, scene: &JsValue) -> Result<(), JsError> {
+        Ok(self.stage.set_scene(read_scene(scene)?)?)
+    }
+
+    /// Light or dark. Always draws again, which is what a picture for export needs.
+    pub fn set_theme(&mut self, dark: bool) {
+        self.stage.set_theme(dark);
+    }
+
+    /// A checkerboard on every piece.
+    pub fn set_checker(&mut self, on: bool) {
+        self.stage.set_checker(on);
+    }
+
+    /// The edges of all triangles.
+    pub fn set_wireframe(&mut self, on: bool) {
+        self.stage.set_wireframe(on);
+    }
+
+    /// Outlines a patch in both views; -1 for none.
+    pub fn set_hover(&mut self, patch: i32) {
+        self.stage.set_hover(u32::try_from(patch).ok());
+    }
+
+    /// Size of a view.
+    pub fn resize(&mut self, view: u32, css_width: f32, css_height: f32, pixel_ratio: f32) {
+        let viewport = Viewport { size: Vec2::new(css_width, css_height), scale: pixel_ratio };
+        self.stage.resize(at(view), viewport);
+    }
+
+    /// Draws what has changed; true if there was something.
+    pub fn draw(&mut self) -> bool {
+        let [surface, flat] = &mut self.canvases;
+        // Both, whether or not the first one had something to draw.
+        surface.draw(&mut self.stage) | flat.draw(&mut self.stage)
+    }
+
+    /// Turns the surface.
+    pub fn rotate(&mut self, dx: f32, dy: f32) {
+        self.stage.rotate(Vec2::new(dx, dy));
+    }
+
+    /// Moves a picture with the pointer.
+    pub fn pan(&mut self, view: u32, dx: f32, dy: f32) {
+        self.stage.pan(at(view), Vec2::new(dx, dy));
+    }
+
+    /// Magnifies a picture by `factor` about a place.
+    pub fn zoom(&mut self, view: u32, factor: f32, x: f32, y: f32) {
+        self.stage.zoom(at(view), factor, Vec2::new(x, y));
+    }
+
+    /// Frames everything.
+    pub fn fit(&mut self, view: u32) {
+        self.stage.fit(at(view));
+    }
+
+    /// `{patch, triangle, face, x, y, z}` under a place, or undefined. The place is on the
+    /// surface in both views.
+    pub fn pick(&mut self, view: u32, x: f32, y: f32) -> JsValue {
+        let Some(pick) = self.stage.pick(at(view), Vec2::new(x, y)) else {
+            return JsValue::UNDEFINED;
+        };
+        let object = Object::new();
+        for (name, value) in [
+            ("patch", f64::from(pick.patch)),
+            ("triangle", f64::from(pick.triangle)),
+            ("face", f64::from(pick.face)),
+            ("x", f64::from(pick.place.x)),
+            ("y", f64::from(pick.place.y)),
+            ("z", f64::from(pick.place.z)),
+        ] {
+            // Cannot fail on an object made just now.
+            let _ = Reflect::set(&object, &name.into(), &value.into());
+        }
+        object.into()
+    }
+
+    /// `[x, y, size]` for each patch: where its number stands on the flattened view and the
+    /// diameter of the room for it; NaN where it is hidden.
+    pub fn anchors(&self) -> Vec<f32> {
+        self.stage.anchors()
+    }
+
+    /// CSS pixels per unit of the charts, for the ruler.
+    pub fn chart_pixels_per_unit(&self) -> f32 {
+        self.stage.chart_pixels_per_unit()
+    }
+
+    /// Whether a device or a context is gone: then new canvases and a new viewer are needed.
+    pub fn is_lost(&self) -> bool {
+        self.canvases.iter().any(Canvas::is_lost)
+    }
+}
+
+fn at(view: u32) -> View {
+    if view == 0 { View::Surface } else { View::Flat }
+}
+
+/// Reads the object that the worker posts: the fields of [`Scene`] as typed arrays.
+///
+/// Shapes are checked here, lengths and indices by the stage.
+fn read_scene(object: &JsValue) -> Result<Scene, JsError> {
+    let floats = |name: &str| -> Result<Vec<f32>, JsError> {
+        let array = get(object, name)?;
+        match array.dyn_ref::<Float32Array>() {
+            Some(array) => Ok(array.to_vec()),
+            None => Err(wrong(name, "a Float32Array")),
+        }
+    };
+    let integers = |name: &str| -> Result<Vec<u32>, JsError> {
+        let array = get(object, name)?;
+        match array.dyn_ref::<Uint32Array>() {
+            Some(array) => Ok(array.to_vec()),
+            None => Err(wrong(name, "a Uint32Array")),
+        }
+    };
+    let patches = get(object, "patches")?;
+    let patches = patches.dyn_ref::<Array>().ok_or_else(|| wrong("patches", "an array"))?;
+    let field = get(object, "field")?;
+    Ok(Scene {
+        positions: floats("positions")?,
+        normals: floats("normals")?,
+        charts: floats("charts")?,
+        values: floats("values")?,
+        vertex_patches: integers("vertex_patches")?,
+        triangles: integers("triangles")?,
+        triangle_faces: integers("triangle_faces")?,
+        rims: integers("rims")?,
+        rim_partners: integers("rim_partners")?,
+        patches: patches.iter().map(|patch| read_patch(&patch)).collect::<Result<_, _>>()?,
+        sheet: numbers(object, "sheet")?,
+        field: if field.is_null() || field.is_undefined() {
+            None
+        } else {
+            Some(read_field(&field)?)
+        },
+        mark_points: floats("mark_points")?,
+        mark_segments: floats("mark_segments")?,
+        revision: number(object, "revision")? as u32,
+    })
+}
+
+fn read_patch(object: &JsValue) -> Result<PatchScene, JsError> {
+    Ok(PatchScene {
+        color: number(object, "color")? as u8,
+        area_fraction: number(object, "area_fraction")? as f32,
+        anchor: numbers(object, "anchor")?,
+        flipped: number(object, "flipped")? as u32,
+        has_chart: get(object, "has_chart")?.is_truthy(),
+    })
+}
+
+fn read_field(object: &JsValue) -> Result<FieldScene, JsError> {
+    let text = |name| get(object, name).map(|value| value.as_string().unwrap_or_default());
+    Ok(FieldScene {
+        id: text("id")?,
+        label: text("label")?,
+        unit: text("unit")?,
+        range: numbers(object, "range")?,
+        mean: number(object, "mean")? as f32,
+        extremes: numbers(object, "extremes")?,
+        signed: get(object, "signed")?.is_truthy(),
+        // The page draws the legend; the viewer has no use for the histogram.
+        histogram: Vec::new(),
+    })
+}
+
+fn get(object: &JsValue, name: &str) -> Result<JsValue, JsError> {
+    Reflect::get(object, &name.into()).map_err(|_| wrong("the scene", "an object"))
+}
+
+/// A number; null is NaN, because JSON has no other way to say it.
+fn number(object: &JsValue, name: &str) -> Result<f64, JsError> {
+    let value = get(object, name)?;
+    if value.is_null() {
+        return Ok(f64::NAN);
+    }
+    value.as_f64().ok_or_else(|| wrong(name, "a number"))
+}
+
+fn numbers<const N: usize>(object: &JsValue, name: &str) -> Result<[f32; N], JsError> {
+    let list = get(object, name)?;
+    let mut numbers = [f32::NAN; N];
+    for (i, slot) in (0..).zip(&mut numbers) {
+        let item = Reflect::get_u32(&list, i).map_err(|_| wrong(name, "a list of numbers"))?;
+        if !item.is_null() {
+            *slot = item.as_f64().ok_or_else(|| wrong(name, "a list of numbers"))? as f32;
+        }
+    }
+    Ok(numbers)
+}
+
+fn wrong(name: &str, expected: &str) -> JsError {
+    JsError::new(&format!("scene: `{name}` is not {expected}"))
+}

@@ -1,0 +1,344 @@
+//! The two cameras: a turntable about the surface and a sheet seen from above.
+//!
+//! The page forwards pointer movements in CSS pixels; everything else about them is decided here, so
+//! that it can be tested without a browser. Screen coordinates have their origin at the top left.
+
+use glam::camera::rh::{proj::directx, view};
+use glam::{Mat4, Vec2, Vec3};
+
+/// Vertical field of view: long enough a lens that a ball looks like a ball near the edge.
+const FIELD_OF_VIEW: f32 = 28.0 * std::f32::consts::PI / 180.0;
+/// How much of the shorter side the unit ball fills after [`Orbit::fit`].
+const FILL: f32 = 0.94;
+/// Turning never quite reaches the poles, where the turntable's sideways direction is lost.
+const MAX_PITCH: f32 = 1.55;
+/// Distance of the sheet from the edge of its view after [`Sheet::fit`], in CSS pixels.
+const SHEET_MARGIN: f32 = 12.0;
+
+/// Size of a view.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Viewport {
+    /// Width and height in CSS pixels.
+    pub size: Vec2,
+    /// Device pixels per CSS pixel.
+    pub scale: f32,
+}
+
+impl Viewport {
+    /// Whether there is anything to draw on.
+    pub fn is_empty(&self) -> bool {
+        self.size.min_element() < 1.0 || self.scale <= 0.0
+    }
+
+    /// -1 to 1 from left to right and from bottom to top.
+    fn to_ndc(self, css: Vec2) -> Vec2 {
+        (css / self.size * 2.0 - 1.0) * Vec2::new(1.0, -1.0)
+    }
+
+    fn aspect(self) -> f32 {
+        self.size.x / self.size.y
+    }
+}
+
+/// A half-line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it begins.
+    pub origin: Vec3,
+    /// Where it goes, of any length.
+    pub direction: Vec3,
+}
+
+/// What the shaders are told of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection {
+    /// World to clip space, depth 0 to 1.
+    pub world_to_clip: Mat4,
+    /// World to view space, for light that turns with the viewer.
+    pub world_to_view: Mat4,
+    /// The eye.
+    pub eye: Vec3,
+    /// World length of one device pixel: at distance 1 when `perspective`, everywhere otherwise.
+    pub pixel: f32,
+    /// Whether far things are smaller.
+    pub perspective: bool,
+}
+
+/// A turntable with its axis along y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orbit {
+    target: Vec3,
+    yaw: f32,
+    pitch: f32,
+    distance: f32,
+}
+
+impl Default for Orbit {
+    fn default() -> Self {
+        // Three quarters from the front, a little from above.
+        Self { target: Vec3::ZERO, yaw: 0.55, pitch: 0.26, distance: 1.0 }
+    }
+}
+
+impl Orbit {
+    /// Frames the unit ball and keeps the direction.
+    pub fn fit(&mut self, viewport: Viewport) {
+        self.target = Vec3::ZERO;
+        self.distance = Self::distance_to_fit(viewport);
+    }
+
+    /// Frames the unit ball from the first direction.
+    pub fn reset(&mut self, viewport: Viewport) {
+        *self = Self::default();
+        self.fit(viewport);
+    }
+
+    fn distance_to_fit(viewport: Viewport) -> f32 {
+        // The ball's outline is a cone of half-angle asin(1 / distance).
+        let half_height = (FIELD_OF_VIEW / 2.0).tan() * FILL * viewport.aspect().min(1.0);
+        1.0 / half_height.atan().sin()
+    }
+
+    /// Turns by a movement of the pointer: half a turn for the shorter side of the view.
+    pub fn rotate(&mut self, movement: Vec2, viewport: Viewport) {
+        let angle = movement * std::f32::consts::PI / viewport.size.min_element();
+        self.yaw = (self.yaw - angle.x).rem_euclid(std::f32::consts::TAU);
+        self.pitch = (self.pitch + angle.y).clamp(-MAX_PITCH, MAX_PITCH);
+    }
+
+    /// Moves sideways so that what lies at the target's distance follows the pointer.
+    pub fn pan(&mut self, movement: Vec2, viewport: Viewport) {
+        let step = movement * 2.0 * self.distance * (FIELD_OF_VIEW / 2.0).tan() / viewport.size.y;
+        let (right, up) = self.axes();
+        self.target = (self.target - right * step.x + up * step.y).clamp_length_max(2.0);
+    }
+
+    /// Magnifies by `factor` about a place of the screen, which stays where it is.
+    pub fn zoom(&mut self, factor: f32, css: Vec2, viewport: Viewport) {
+        let fit = Self::distance_to_fit(viewport);
+        let before = self.distance;
+        self.distance = (before / factor).clamp(fit * 0.04, fit * 4.0);
+        // The point of the target's plane under the pointer: moves with the ratio of the distances.
+        let ndc = viewport.to_ndc(css);
+        let half = (FIELD_OF_VIEW / 2.0).tan();
+        let (right, up) = self.axes();
+        let offset = (right * ndc.x * viewport.aspect() + up * ndc.y) * half;
+        self.target = (self.target + offset * (before - self.distance)).clamp_length_max(2.0);
+    }
+
+    /// From the target towards the eye.
+    fn backward(&self) -> Vec3 {
+        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
+        Vec3::new(sin_yaw * cos_pitch, sin_pitch, cos_yaw * cos_pitch)
+    }
+
+    fn axes(&self) -> (Vec3, Vec3) {
+        let backward = self.backward();
+        let right = Vec3::Y.cross(backward).normalize();
+        (right, backward.cross(right))
+    }
+
+    fn eye(&self) -> Vec3 {
+        self.target + self.backward() * self.distance
+    }
+
+    /// The ray through a place of the screen.
+    pub fn ray(&self, css: Vec2, viewport: Viewport) -> Ray {
+        let ndc = viewport.to_ndc(css);
+        let half = (FIELD_OF_VIEW / 2.0).tan();
+        let (right, up) = self.axes();
+        let direction =
+            right * (ndc.x * half * viewport.aspect()) + up * (ndc.y * half) - self.backward();
+        Ray { origin: self.eye(), direction }
+    }
+
+    /// For the shaders.
+    pub fn projection(&self, viewport: Viewport) -> Projection {
+        let eye = self.eye();
+        let world_to_view = view::look_at_mat4(eye, self.target, Vec3::Y);
+        // Everything lies within the unit ball or on the ground not far from it.
+        let reach = eye.length();
+        let near = (reach - 2.5).max(0.02 * self.distance).max(1e-3);
+        let far = reach + 4.0;
+        let clip = directx::perspective(FIELD_OF_VIEW, viewport.aspect(), near, far);
+        let pixel = 2.0 * (FIELD_OF_VIEW / 2.0).tan() / (viewport.size.y * viewport.scale);
+        Projection {
+            world_to_clip: clip * world_to_view,
+            world_to_view,
+            eye,
+            pixel,
+            perspective: true,
+        }
+    }
+}
+
+/// A sheet seen from above: y up, no turning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheet {
+    center: Vec2,
+    /// CSS pixels per unit.
+    scale: f32,
+}
+
+impl Default for Sheet {
+    fn default() -> Self {
+        Self { center: Vec2::ZERO, scale: 100.0 }
+    }
+}
+
+impl Sheet {
+    /// Frames `[x_min, y_min, x_max, y_max]`.
+    pub fn fit(&mut self, [x0, y0, x1, y1]: [f32; 4], viewport: Viewport) {
+        let (low, high) = (Vec2::new(x0, y0), Vec2::new(x1, y1));
+        let extent = high - low;
+        if !extent.is_finite() || extent.max_element() <= 0.0 || viewport.is_empty() {
+            return;
+        }
+        let room = (viewport.size - 2.0 * SHEET_MARGIN).max(Vec2::ONE);
+        self.center = (low + high) / 2.0;
+        self.scale = (room / extent.max(Vec2::splat(1e-9))).min_element();
+    }
+
+    /// Moves with the pointer.
+    pub fn pan(&mut self, movement: Vec2) {
+        self.center += movement * Vec2::new(-1.0, 1.0) / self.scale;
+    }
+
+    /// Magnifies by `factor` about a place of the screen, which stays where it is.
+    pub fn zoom(&mut self, factor: f32, css: Vec2, viewport: Viewport) {
+        let before = self.to_sheet(css, viewport);
+        self.scale = (self.scale * factor).clamp(1.0, 1e5);
+        self.center += before - self.to_sheet(css, viewport);
+    }
+
+    /// CSS pixels per unit of the sheet.
+    pub fn pixels_per_unit(&self) -> f32 {
+        self.scale
+    }
+
+    /// The place of the sheet at a place of the screen.
+    pub fn to_sheet(&self, css: Vec2, viewport: Viewport) -> Vec2 {
+        self.center + (css - viewport.size / 2.0) * Vec2::new(1.0, -1.0) / self.scale
+    }
+
+    /// The place of the screen of a place of the sheet.
+    pub fn to_screen(&self, place: Vec2, viewport: Viewport) -> Vec2 {
+        (place - self.center) * Vec2::new(1.0, -1.0) * self.scale + viewport.size / 2.0
+    }
+
+    /// For the shaders; charts lie in the plane z = 0.
+    pub fn projection(&self, viewport: Viewport) -> Projection {
+        let half = viewport.size / (2.0 * self.scale);
+        let low = self.center - half;
+        let high = self.center + half;
+        let world_to_clip = directx::orthographic(low.x, high.x, low.y, high.y, -1.0, 1.0);
+        Projection {
+            world_to_clip,
+            world_to_view: Mat4::IDENTITY,
+            eye: Vec3::Z,
+            pixel: 1.0 / (self.scale * viewport.scale),
+            perspective: false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VIEWPORT: Viewport = Viewport { size: Vec2::new(600.0, 400.0), scale: 2.0 };
+
+    fn orbit() -> Orbit {
+        let mut orbit = Orbit::default();
+        orbit.fit(VIEWPORT);
+        orbit
+    }
+
+    fn to_screen(projection: &Projection, point: Vec3) -> Vec2 {
+        let clip = projection.world_to_clip * point.extend(1.0);
+        let ndc = clip.truncate() / clip.w;
+        assert!((0.0..=1.0).contains(&ndc.z), "depth {}", ndc.z);
+        (ndc.truncate() * Vec2::new(1.0, -1.0) + 1.0) / 2.0 * VIEWPORT.size
+    }
+
+    #[test]
+    fn the_ball_fills_the_shorter_side() {
+        let projection = orbit().projection(VIEWPORT);
+        let (_, up) = orbit().axes();
+        // The outline is the circle of tangent points, not the great circle across the view.
+        let distance = orbit().distance;
+        let top = up * (1.0 - 1.0 / distance.powi(2)).sqrt() + orbit().backward() / distance;
+        let y = to_screen(&projection, top).y;
+        assert!((y - 200.0 * (1.0 - FILL)).abs() < 0.1, "top of the ball at {y}");
+    }
+
+    #[test]
+    fn a_ray_meets_what_is_drawn_under_it() {
+        let mut orbit = orbit();
+        orbit.rotate(Vec2::new(93.0, -41.0), VIEWPORT);
+        orbit.pan(Vec2::new(-20.0, 33.0), VIEWPORT);
+        let point = Vec3::new(0.3, -0.2, 0.4);
+        let css = to_screen(&orbit.projection(VIEWPORT), point);
+        let ray = orbit.ray(css, VIEWPORT);
+        let along = ray.direction.normalize();
+        let off = (point - ray.origin).reject_from(along).length();
+        assert!(off < 1e-5, "off by {off}");
+        assert!((point - ray.origin).dot(along) > 0.0);
+    }
+
+    #[test]
+    fn turning_right_shows_the_left_and_never_passes_a_pole() {
+        let mut orbit = orbit();
+        let before = to_screen(&orbit.projection(VIEWPORT), orbit.backward()).x;
+        let marked = orbit.backward();
+        orbit.rotate(Vec2::new(40.0, 0.0), VIEWPORT);
+        assert!(to_screen(&orbit.projection(VIEWPORT), marked).x > before + 10.0);
+        orbit.rotate(Vec2::new(0.0, 1e6), VIEWPORT);
+        assert!(orbit.axes().1.is_finite() && orbit.pitch <= MAX_PITCH);
+    }
+
+    #[test]
+    fn zooming_keeps_the_place_under_the_pointer() {
+        let mut orbit = orbit();
+        let css = Vec2::new(420.0, 130.0);
+        let ray = orbit.ray(css, VIEWPORT);
+        let held = ray.origin + ray.direction * orbit.distance;
+        orbit.zoom(1.7, css, VIEWPORT);
+        let after = to_screen(&orbit.projection(VIEWPORT), held);
+        assert!(after.distance(css) < 0.05, "moved to {after}");
+
+        let mut sheet = Sheet::default();
+        let held = sheet.to_sheet(css, VIEWPORT);
+        sheet.zoom(3.0, css, VIEWPORT);
+        assert!(sheet.to_screen(held, VIEWPORT).distance(css) < 1e-2);
+    }
+
+    #[test]
+    fn panning_follows_the_pointer() {
+        let mut orbit = orbit();
+        let center = to_screen(&orbit.projection(VIEWPORT), Vec3::ZERO);
+        orbit.pan(Vec2::new(15.0, -9.0), VIEWPORT);
+        let moved = to_screen(&orbit.projection(VIEWPORT), Vec3::ZERO) - center;
+        assert!(moved.distance(Vec2::new(15.0, -9.0)) < 0.05, "{moved}");
+    }
+
+    #[test]
+    fn the_sheet_fits_and_its_projection_agrees_with_its_arithmetic() {
+        let mut sheet = Sheet::default();
+        sheet.fit([-1.0, 2.0, 3.0, 3.0], VIEWPORT);
+        assert!((sheet.pixels_per_unit() - (600.0 - 2.0 * SHEET_MARGIN) / 4.0).abs() < 1e-3);
+        let corner = Vec2::new(3.0, 3.0);
+        let css = to_screen(&sheet.projection(VIEWPORT), corner.extend(0.0));
+        assert!(css.distance(sheet.to_screen(corner, VIEWPORT)) < 1e-2);
+        assert!((css.x - (600.0 - SHEET_MARGIN)).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_sheet_without_charts_leaves_the_camera_alone() {
+        let mut sheet = Sheet::default();
+        sheet.fit([0.0; 4], VIEWPORT);
+        sheet.fit([f32::NAN; 4], VIEWPORT);
+        assert_eq!(sheet, Sheet::default());
+    }
+}

@@ -1,0 +1,591 @@
+//! What is to be drawn: the newest scene, two cameras, the switches. No graphics device.
+//!
+//! Each thing that a graphics device holds a copy of is a [`Part`] with a stamp. A setter only moves
+//! stamps; bytes are made when a view is drawn, so that a scene which is overtaken by a newer one
+//! before the next frame costs next to nothing.
+
+use super::arrays::{self, NONE, RimChoice, SceneError};
+use super::camera::{Orbit, Projection, Ray, Sheet, Viewport};
+use super::color::{self, Theme};
+use super::occlusion::{self, Occlusion};
+use super::pick::Hierarchy;
+use crate::session::scene::{PatchScene, Scene};
+use glam::{Vec2, Vec3};
+
+/// Smallest disc, as a radius in CSS pixels, that a chart's number fits into.
+const NUMBER_ROOM: f32 = 9.0;
+/// Side of a checker cell in the unit of the surface, whose radius is 1: about a dozen cells to
+/// a chart of a tenth of a ball. Fixed, so that unequal cells show unequal scale.
+pub const CHECKER_CELL: f32 = 0.055;
+/// Pixels of the colour map.
+pub const RAMP_PIXELS: usize = 256;
+
+/// One of the two pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// The surface in space.
+    Surface,
+    /// The charts on their sheet.
+    Flat,
+}
+
+impl View {
+    /// Both, in the order of their indices.
+    pub const ALL: [Self; 2] = [Self::Surface, Self::Flat];
+}
+
+/// Something that a graphics device holds a copy of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Places, normals and openness of all vertices.
+    Geometry,
+    /// Colours and values of all vertices.
+    Paint,
+    /// Places of all vertices on the sheet.
+    Charts,
+    /// Triangles of the surface.
+    Triangles,
+    /// Triangles of the charts that stand as they should.
+    ChartTriangles,
+    /// Triangles of the charts that are turned over.
+    FlippedTriangles,
+    /// Cuts and boundary on the surface.
+    Cuts,
+    /// Rims of the charts.
+    ChartRims,
+    /// Rim of the patch under the pointer, on the surface.
+    Outline,
+    /// The same on the sheet.
+    ChartOutline,
+    /// Edges on the surface.
+    Wires,
+    /// Edges of the charts.
+    ChartWires,
+    /// Points that an error points at.
+    MarkPoints,
+    /// Lines that an error points at.
+    MarkSegments,
+    /// The colour map.
+    Ramp,
+    /// The shadow on the ground.
+    Shadow,
+}
+
+impl Part {
+    /// Number of parts.
+    pub const COUNT: usize = Self::Shadow as usize + 1;
+}
+
+/// What lies under the pointer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pick {
+    /// Its patch.
+    pub patch: u32,
+    /// Its scene triangle.
+    pub triangle: u32,
+    /// The input face that the triangle is a part of.
+    pub face: u32,
+    /// The place on the surface, also when picked on a chart.
+    pub place: Vec3,
+}
+
+/// Everything that a picture depends on.
+#[derive(Debug)]
+pub struct Stage {
+    scene: Scene,
+    neighbours: Vec<[u32; 2]>,
+    rooms: Vec<f32>,
+    occlusion: Option<Occlusion>,
+    hierarchies: [Option<Hierarchy>; 2],
+    orbit: Orbit,
+    sheet: Sheet,
+    /// Whether nobody has moved the sheet since it was fitted: then it follows the layout.
+    sheet_is_fitted: bool,
+    viewports: [Viewport; 2],
+    is_dark: bool,
+    checker: bool,
+    wireframe: bool,
+    hover: u32,
+    stamps: [u64; Part::COUNT],
+    dirty: [bool; 2],
+}
+
+impl Default for Stage {
+    fn default() -> Self {
+        Self {
+            scene: Scene::default(),
+            neighbours: Vec::new(),
+            rooms: Vec::new(),
+            occlusion: None,
+            hierarchies: [None, None],
+            orbit: Orbit::default(),
+            sheet: Sheet::default(),
+            sheet_is_fitted: true,
+            viewports: [Viewport::default(); 2],
+            is_dark: false,
+            checker: false,
+            wireframe: false,
+            hover: NONE,
+            stamps: [1; Part::COUNT],
+            dirty: [true; 2],
+        }
+    }
+}
+
+impl Stage {
+    /// Takes a newer scene, or refuses a broken one and stays as it is.
+    ///
+    /// Cameras return to their first places with the first scene of a mesh; later ones leave the orbit
+    /// alone, and the sheet follows the layout until somebody moves it.
+    pub fn set_scene(&mut self, scene: Scene) -> Result<(), SceneError> {
+        arrays::check(&scene)?;
+        let old = std::mem::replace(&mut self.scene, scene);
+        let new = &self.scene;
+        let places = old.positions != new.positions || old.normals != new.normals;
+        let charts = !same_values(&old.charts, &new.charts);
+        let triangles = old.triangles != new.triangles;
+        let rims = old.rims != new.rims || old.rim_partners != new.rim_partners;
+        let patches = old.vertex_patches != new.vertex_patches || !same_looks(&old, new);
+        let field = old.field != new.field;
+        let values = field || !same_values(&old.values, &new.values);
+        let marks = old.mark_points != new.mark_points || old.mark_segments != new.mark_segments;
+        // A viewer may miss the very first scene of a mesh: a count that falls tells as well.
+        let is_first = new.revision == 0 || new.revision < old.revision;
+        let is_new_mesh = is_first || self.occlusion.is_none();
+
+        if rims || old.vertex_count() != new.vertex_count() {
+            self.neighbours = arrays::rim_neighbours(new);
+        }
+        self.rooms = arrays::anchor_rooms(new);
+        if is_new_mesh {
+            self.occlusion = Some(Occlusion::new(new));
+        }
+        self.stamp(is_new_mesh || places, &[Part::Geometry, Part::Wires]);
+        self.stamp(is_new_mesh, &[Part::Shadow]);
+        self.stamp(patches || values, &[Part::Paint]);
+        self.stamp(charts, &[Part::Charts]);
+        self.stamp(triangles, &[Part::Triangles, Part::Wires]);
+        self.stamp(charts || triangles, &[Part::ChartTriangles, Part::FlippedTriangles]);
+        self.stamp(charts || triangles, &[Part::ChartWires]);
+        self.stamp(places || rims || patches, &[Part::Cuts, Part::Outline]);
+        self.stamp(charts || rims || patches, &[Part::ChartRims, Part::ChartOutline]);
+        self.stamp(marks, &[Part::MarkPoints, Part::MarkSegments]);
+        self.stamp(field, &[Part::Ramp]);
+        if places || triangles {
+            self.hierarchies[View::Surface as usize] = None;
+        }
+        if charts || triangles {
+            self.hierarchies[View::Flat as usize] = None;
+        }
+        if is_first {
+            self.orbit.reset(self.viewport(View::Surface));
+            self.sheet_is_fitted = true;
+        }
+        if self.sheet_is_fitted {
+            self.sheet.fit(self.scene.sheet, self.viewport(View::Flat));
+        }
+        self.dirty = [true; 2];
+        Ok(())
+    }
+
+    fn stamp(&mut self, has_changed: bool, parts: &[Part]) {
+        for &part in parts.iter().filter(|_| has_changed) {
+            self.stamps[part as usize] += 1;
+        }
+    }
+
+    /// The newest scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Light or dark.
+    pub fn set_theme(&mut self, is_dark: bool) {
+        self.is_dark = is_dark;
+        self.dirty = [true; 2];
+    }
+
+    /// Whether pieces carry a checkerboard, in both views.
+    pub fn set_checker(&mut self, on: bool) {
+        self.checker = on;
+        self.dirty = [true; 2];
+    }
+
+    /// Whether edges are drawn.
+    pub fn set_wireframe(&mut self, on: bool) {
+        self.wireframe = on;
+        self.dirty = [true; 2];
+    }
+
+    /// The patch to outline.
+    pub fn set_hover(&mut self, patch: Option<u32>) {
+        let patch = patch.unwrap_or(NONE);
+        if patch != self.hover {
+            self.hover = patch;
+            self.stamp(true, &[Part::Outline, Part::ChartOutline]);
+            self.dirty = [true; 2];
+        }
+    }
+
+    /// Size of a view. The orbit keeps its distance in units of the view's shorter side.
+    pub fn resize(&mut self, view: View, viewport: Viewport) {
+        let was_empty = self.viewport(view).is_empty();
+        if viewport == self.viewport(view) {
+            return;
+        }
+        self.viewports[view as usize] = viewport;
+        self.dirty[view as usize] = true;
+        if viewport.is_empty() {
+            return;
+        }
+        match view {
+            View::Surface if was_empty => self.orbit.fit(viewport),
+            View::Flat if was_empty || self.sheet_is_fitted => {
+                self.sheet.fit(self.scene.sheet, viewport);
+            }
+            _ => {}
+        }
+    }
+
+    /// Size of a view.
+    pub fn viewport(&self, view: View) -> Viewport {
+        self.viewports[view as usize]
+    }
+
+    /// Turns the surface by a movement in CSS pixels.
+    pub fn rotate(&mut self, movement: Vec2) {
+        if let Some(viewport) = self.usable(View::Surface, movement) {
+            self.orbit.rotate(movement, viewport);
+        }
+    }
+
+    /// Moves a picture with the pointer.
+    pub fn pan(&mut self, view: View, movement: Vec2) {
+        let Some(viewport) = self.usable(view, movement) else { return };
+        match view {
+            View::Surface => self.orbit.pan(movement, viewport),
+            View::Flat => {
+                self.sheet.pan(movement);
+                self.sheet_is_fitted = false;
+            }
+        }
+    }
+
+    /// Magnifies a picture by `factor` about a place of the screen.
+    pub fn zoom(&mut self, view: View, factor: f32, css: Vec2) {
+        let Some(viewport) = self.usable(view, css) else { return };
+        if !(factor.is_finite() && factor > 0.0) {
+            return;
+        }
+        match view {
+            View::Surface => self.orbit.zoom(factor, css, viewport),
+            View::Flat => {
+                self.sheet.zoom(factor, css, viewport);
+                self.sheet_is_fitted = false;
+            }
+        }
+    }
+
+    /// Frames everything; the surface keeps its direction.
+    pub fn fit(&mut self, view: View) {
+        let Some(viewport) = self.usable(view, Vec2::ZERO) else { return };
+        match view {
+            View::Surface => self.orbit.fit(viewport),
+            View::Flat => {
+                self.sheet.fit(self.scene.sheet, viewport);
+                self.sheet_is_fitted = true;
+            }
+        }
+    }
+
+    /// The viewport of a view that is about to move, marked dirty; none for an empty view or a
+    /// movement that is no number.
+    fn usable(&mut self, view: View, movement: Vec2) -> Option<Viewport> {
+        let viewport = self.viewport(view);
+        if viewport.is_empty() || !movement.is_finite() {
+            return None;
+        }
+        self.dirty[view as usize] = true;
+        Some(viewport)
+    }
+
+    /// What lies under a place of the screen.
+    pub fn pick(&mut self, view: View, css: Vec2) -> Option<Pick> {
+        let viewport = self.viewport(view);
+        if viewport.is_empty() || !css.is_finite() {
+            return None;
+        }
+        let scene = &self.scene;
+        let triangles = arrays::triangles(scene);
+        let place: &dyn Fn(u32) -> Vec3 = match view {
+            View::Surface => &|vertex| arrays::position(scene, vertex),
+            View::Flat => &|vertex| arrays::chart(scene, vertex),
+        };
+        let ray = match view {
+            View::Surface => self.orbit.ray(css, viewport),
+            View::Flat => {
+                let origin = self.sheet.to_sheet(css, viewport).extend(1.0);
+                Ray { origin, direction: Vec3::NEG_Z }
+            }
+        };
+        let hierarchy =
+            self.hierarchies[view as usize].get_or_insert_with(|| Hierarchy::new(triangles, place));
+        let hit = hierarchy.cast(ray, triangles, place)?;
+        let corners = triangles[hit.triangle as usize];
+        let point = |(vertex, weight)| arrays::position(scene, vertex) * weight;
+        Some(Pick {
+            patch: scene.vertex_patches[corners[0] as usize],
+            triangle: hit.triangle,
+            face: scene.triangle_faces[hit.triangle as usize],
+            place: corners.into_iter().zip(hit.weights).map(point).sum(),
+        })
+    }
+
+    /// For each patch the place of its number on the flattened view and the diameter of the room
+    /// around it, in CSS pixels; NaN where the number does not fit or is out of sight.
+    pub fn anchors(&self) -> Vec<f32> {
+        let viewport = self.viewport(View::Flat);
+        let anchor = |(patch, &room): (usize, &f32)| {
+            let place = Vec2::from_array(self.scene.patches[patch].anchor);
+            let css = self.sheet.to_screen(place, viewport);
+            let room = room * self.sheet.pixels_per_unit();
+            let is_inside = css.cmpge(Vec2::ZERO).all() && css.cmple(viewport.size).all();
+            if room >= NUMBER_ROOM && is_inside {
+                [css.x, css.y, 2.0 * room]
+            } else {
+                [f32::NAN; 3]
+            }
+        };
+        self.rooms.iter().enumerate().flat_map(anchor).collect()
+    }
+
+    /// CSS pixels per unit of the charts.
+    pub fn chart_pixels_per_unit(&self) -> f32 {
+        self.sheet.pixels_per_unit()
+    }
+
+    /// The camera of a view.
+    pub fn projection(&self, view: View) -> Projection {
+        match view {
+            View::Surface => self.orbit.projection(self.viewport(view)),
+            View::Flat => self.sheet.projection(self.viewport(view)),
+        }
+    }
+
+    /// Colours of the ground and of the outline.
+    pub fn theme(&self) -> Theme {
+        Theme::new(self.is_dark)
+    }
+
+    /// Whether colours come from a field.
+    pub fn shows_field(&self) -> bool {
+        self.scene.field.is_some() && !self.scene.values.is_empty()
+    }
+
+    /// Whether pieces carry a checkerboard.
+    pub fn shows_checker(&self) -> bool {
+        self.checker
+    }
+
+    /// Whether edges are drawn.
+    pub fn shows_wireframe(&self) -> bool {
+        self.wireframe
+    }
+
+    /// Height of the ground.
+    pub fn ground(&self) -> f32 {
+        self.occlusion.as_ref().map_or(-1.0, Occlusion::ground)
+    }
+
+    /// Whether a view differs from what was drawn last; afterwards it does not.
+    pub fn take_dirty(&mut self, view: View) -> bool {
+        std::mem::take(&mut self.dirty[view as usize])
+    }
+
+    /// Says that a view must be drawn again, since it could not be drawn or its canvas is new.
+    pub fn set_dirty(&mut self, view: View) {
+        self.dirty[view as usize] = true;
+    }
+
+    /// Changes whenever [`Stage::bytes`] of the part does.
+    pub fn stamp_of(&self, part: Part) -> u64 {
+        self.stamps[part as usize]
+    }
+
+    /// The bytes that a graphics device is to hold of a part.
+    pub fn bytes(&mut self, part: Part) -> Vec<u8> {
+        let scene = &self.scene;
+        let rims =
+            |choice, on_charts| arrays::rim_ribbons(scene, &self.neighbours, choice, on_charts);
+        let hovered = RimChoice::Patch(self.hover);
+        match part {
+            Part::Geometry => match &mut self.occlusion {
+                Some(occlusion) => arrays::geometry(scene, occlusion),
+                None => Vec::new(),
+            },
+            Part::Paint => arrays::paint(scene),
+            Part::Charts => arrays::charts(scene),
+            Part::Triangles => arrays::indices(arrays::triangles(scene)),
+            Part::ChartTriangles => arrays::indices(&arrays::chart_triangles(scene)[0]),
+            Part::FlippedTriangles => arrays::indices(&arrays::chart_triangles(scene)[1]),
+            Part::Cuts => rims(RimChoice::Cuts, false),
+            Part::ChartRims => rims(RimChoice::All, true),
+            Part::Outline => rims(hovered, false),
+            Part::ChartOutline => rims(hovered, true),
+            Part::Wires => arrays::wire_ribbons(scene, false),
+            Part::ChartWires => arrays::wire_ribbons(scene, true),
+            Part::MarkPoints => arrays::mark_point_ribbons(scene),
+            Part::MarkSegments => arrays::mark_segment_ribbons(scene),
+            Part::Ramp => {
+                let is_signed = scene.field.as_ref().is_some_and(|field| field.signed);
+                color::ramp(is_signed, RAMP_PIXELS)
+            }
+            Part::Shadow => match &self.occlusion {
+                Some(occlusion) => occlusion.ground_shadow(),
+                None => vec![0; occlusion::SHADOW_PIXELS.pow(2)],
+            },
+        }
+    }
+}
+
+/// Whether two fields agree, NaN with NaN.
+fn same_values(a: &[f32], b: &[f32]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+}
+
+/// Whether the patches of two scenes are painted alike, whatever else is said of them.
+fn same_looks(a: &Scene, b: &Scene) -> bool {
+    let look = |patch: &PatchScene| (patch.color, patch.has_chart);
+    a.patches.iter().map(look).eq(b.patches.iter().map(look))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{two_squares, unit_ball};
+    use super::*;
+    use crate::session::scene::FieldScene;
+
+    fn stage(scene: Scene) -> Stage {
+        let mut stage = Stage::default();
+        for view in View::ALL {
+            stage.resize(view, Viewport { size: Vec2::new(500.0, 300.0), scale: 1.0 });
+        }
+        stage.set_scene(scene).expect("a good scene");
+        stage
+    }
+
+    fn changed(stage: &mut Stage, scene: Scene) -> Vec<usize> {
+        let before = stage.stamps;
+        stage.set_scene(scene).expect("a good scene");
+        (0..Part::COUNT).filter(|&part| before[part] != stage.stamps[part]).collect()
+    }
+
+    #[test]
+    fn only_what_changed_is_made_again() {
+        let mut stage = stage(two_squares());
+        let mut scene = Scene { revision: 1, ..two_squares() };
+        // NaN is no change.
+        scene.charts[0] = f32::NAN;
+        scene.patches[0].anchor = [f32::NAN; 2];
+        stage.set_scene(scene.clone()).expect("a good scene");
+        assert_eq!(changed(&mut stage, scene.clone()), [0; 0]);
+
+        scene.values = vec![0.5; 8];
+        scene.field = Some(FieldScene::default());
+        assert_eq!(
+            changed(&mut stage, scene.clone()),
+            [Part::Paint, Part::Ramp].map(|part| part as usize)
+        );
+        assert!(stage.shows_field());
+
+        scene.positions[2] = 0.125;
+        let moved =
+            [Part::Geometry, Part::Cuts, Part::Outline, Part::Wires].map(|part| part as usize);
+        assert_eq!(changed(&mut stage, scene.clone()), moved);
+
+        stage.set_hover(Some(1));
+        stage.set_hover(Some(1));
+        assert_eq!(changed(&mut stage, scene), [0; 0]);
+    }
+
+    #[test]
+    fn the_camera_returns_with_the_first_scene_of_a_mesh_and_with_no_other() {
+        let mut stage = stage(two_squares());
+        let first = stage.orbit;
+        stage.rotate(Vec2::new(30.0, 10.0));
+        stage.pan(View::Flat, Vec2::new(5.0, 0.0));
+        let (turned, moved) = (stage.orbit, stage.sheet);
+        stage.set_scene(Scene { revision: 7, ..two_squares() }).expect("a good scene");
+        assert_eq!((stage.orbit, stage.sheet), (turned, moved));
+        stage.set_scene(Scene { revision: 2, ..two_squares() }).expect("a good scene");
+        assert_eq!(stage.orbit, first);
+        assert_ne!(stage.sheet, moved);
+    }
+
+    #[test]
+    fn the_sheet_follows_the_layout_until_it_is_moved() {
+        let mut stage = stage(two_squares());
+        let scene =
+            |width, revision| Scene { sheet: [0.0, 0.0, width, 1.0], revision, ..two_squares() };
+        stage.set_scene(scene(9.0, 1)).expect("a good scene");
+        let fitted = stage.chart_pixels_per_unit();
+        assert!((fitted - 476.0 / 9.0).abs() < 1e-3);
+        stage.zoom(View::Flat, 2.0, Vec2::new(1.0, 1.0));
+        stage.set_scene(scene(2.0, 2)).expect("a good scene");
+        assert!((stage.chart_pixels_per_unit() - 2.0 * fitted).abs() < 1e-3);
+        stage.fit(View::Flat);
+        assert!((stage.chart_pixels_per_unit() - 476.0 / 2.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn pointing_at_the_middle_of_a_ball_meets_its_near_side() {
+        let mut stage = stage(unit_ball(3, 0));
+        let pick = stage.pick(View::Surface, Vec2::new(250.0, 150.0)).expect("the ball");
+        assert!((pick.place.length() - 1.0).abs() < 0.02);
+        let eye = stage.projection(View::Surface).eye;
+        assert!(pick.place.normalize().dot(eye.normalize()) > 0.999);
+        assert_eq!(pick.face, pick.triangle);
+        assert_eq!(stage.pick(View::Surface, Vec2::new(3.0, 3.0)), None);
+        // It has no charts.
+        assert_eq!(stage.pick(View::Flat, Vec2::new(250.0, 150.0)), None);
+    }
+
+    #[test]
+    fn pointing_at_a_chart_gives_the_place_on_the_surface() {
+        let mut stage = stage(two_squares());
+        let css = stage.sheet.to_screen(Vec2::new(1.5, 0.25), stage.viewport(View::Flat));
+        let pick = stage.pick(View::Flat, css).expect("the second square");
+        assert_eq!((pick.patch, pick.triangle, pick.face), (1, 2, 1));
+        assert!(pick.place.distance(Vec3::new(0.25, 0.25, 0.0)) < 1e-4);
+    }
+
+    #[test]
+    fn numbers_stand_on_their_charts_and_hide_where_they_do_not_fit() {
+        let mut stage = stage(two_squares());
+        let anchors = stage.anchors();
+        let scale = stage.chart_pixels_per_unit();
+        let expected = stage.sheet.to_screen(Vec2::splat(0.5), stage.viewport(View::Flat));
+        assert!(Vec2::new(anchors[0], anchors[1]).distance(expected) < 1e-3);
+        assert!((anchors[2] - scale).abs() < 1e-2);
+        stage.zoom(View::Flat, 0.08, Vec2::new(250.0, 150.0));
+        assert!(stage.anchors().iter().all(|x| x.is_nan()));
+    }
+
+    #[test]
+    fn a_view_is_dirty_once_and_only_where_something_moved() {
+        let mut stage = stage(two_squares());
+        assert!(View::ALL.map(|view| stage.take_dirty(view)).iter().all(|&dirty| dirty));
+        stage.rotate(Vec2::new(1.0, 0.0));
+        assert_eq!(View::ALL.map(|view| stage.take_dirty(view)), [true, false]);
+        stage.rotate(Vec2::new(f32::NAN, 0.0));
+        assert_eq!(View::ALL.map(|view| stage.take_dirty(view)), [false, false]);
+    }
+
+    #[test]
+    fn a_broken_scene_leaves_the_stage_as_it_was() {
+        let mut stage = stage(two_squares());
+        let broken = Scene { triangles: vec![0, 1, 77], ..two_squares() };
+        assert!(stage.set_scene(broken).is_err());
+        assert_eq!(*stage.scene(), two_squares());
+    }
+}
