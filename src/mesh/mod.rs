@@ -6,11 +6,13 @@
 //!
 //! Not guaranteed: that a component is connected to another, that it has interior vertices, or any minimal size.
 
+mod chains;
 mod cut_mesh;
 mod halfedge;
 pub mod obj;
 mod soup;
 
+pub use chains::chains;
 pub use cut_mesh::{CutMesh, OpenedMesh, SurfacePoint};
 pub use halfedge::{EdgeId, FaceId, HalfedgeId, LoopId, Mesh, MeshError, Topology, VertexId};
 pub use soup::Soup;

@@ -1,1 +1,7 @@
-//! methods
+//! The four methods and what they share.
+//!
+//! All of them answer one question, where to cut, and hand on a labelled or cut surface; none of them needs a layout.
+
+pub mod cutflow;
+pub mod cutgraph;
+pub mod flow;

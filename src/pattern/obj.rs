@@ -1,0 +1,181 @@
+//! Meshes as OBJ: the user's surface with texture coordinates, and the cut as polylines.
+
+use super::number::exact;
+use super::piece::Bounds;
+use crate::mesh::{CutMesh, Mesh, OpenedMesh, Soup, SurfacePoint, chains};
+
+/// A surface that was cut, and the file that it came from.
+#[derive(Clone, Copy, Debug)]
+pub struct CutSurface<'a> {
+    /// The file as it was read.
+    pub soup: &'a Soup,
+    /// For each vertex of the mesh its vertex of the file; empty where they are the same.
+    pub soup_vertices: &'a [u32],
+    /// The mesh before it was cut.
+    pub mesh: &'a Mesh,
+    /// The mesh refined along the cut.
+    pub cut: &'a CutMesh,
+    /// The refined mesh opened there.
+    pub opened: &'a OpenedMesh,
+}
+
+impl CutSurface<'_> {
+    /// The vertex of the file, counted from 0, that a vertex of the mesh came from.
+    pub(super) fn soup_vertex(&self, v: usize) -> usize {
+        self.soup_vertices.get(v).map_or(v, |&v| v as usize)
+    }
+
+    /// Number in an OBJ file, from 1, of each point, when the file's vertices come first and new points follow.
+    fn point_number(&self, point: u32) -> usize {
+        let point = point as usize;
+        let own = self.mesh.vertex_count();
+        if point < own { self.soup_vertex(point) + 1 } else { self.soup.positions.len() + point - own + 1 }
+    }
+
+    /// Where a point lies in the coordinates of the file.
+    pub fn place(&self, point: SurfacePoint) -> [f64; 3] {
+        let corner = |v: crate::mesh::VertexId| self.soup.positions[self.soup_vertex(v.index())];
+        match point {
+            SurfacePoint::Vertex(v) => corner(v),
+            SurfacePoint::Edge(e, t) => {
+                let [a, b] = self.mesh.edge_vertices(e).map(corner);
+                [0, 1, 2].map(|i| a[i] + t * (b[i] - a[i]))
+            }
+            SurfacePoint::Face(f, [r, s, t]) => {
+                let [a, b, c] = self.mesh.face_vertices(f).map(corner);
+                [0, 1, 2].map(|i| r * a[i] + s * b[i] + t * c[i])
+            }
+        }
+    }
+}
+
+/// The refined surface with texture coordinates, as OBJ.
+///
+/// The file's vertices come first, all of them, in their order, and read back bit for bit; the points made by the cut follow.
+/// Faces are those of the refined triangulation, group `piece_1`, `piece_2`, … for each patch. Charts fill the unit
+/// square as far as one scale for all allows.
+///
+/// **Takes** a place for each vertex of the opened surface (NaN for patches without chart: their faces have no texture
+/// coordinates), and the length of that unit in units of the file.
+pub fn uv_obj(surface: &CutSurface, charts: &[[f64; 2]], chart_unit: f64) -> Vec<u8> {
+    let CutSurface { soup, mesh, cut, opened, .. } = *surface;
+    assert_eq!(charts.len(), opened.mesh.vertex_count());
+    let mut faces_by_patch = vec![Vec::new(); opened.patch_count];
+    for (face, &patch) in opened.face_patches.iter().enumerate() {
+        faces_by_patch[patch as usize].push(face);
+    }
+    // Corners that have a place, numbered from 1; 0 for none.
+    let mut numbers = vec![0usize; charts.len()];
+    let mut count = 0;
+    let is_placed = |face: usize| {
+        let corners = opened.mesh.triangles()[face];
+        corners.iter().all(|v| charts[v.index()].iter().all(|x| x.is_finite()))
+    };
+    let has_chart: Vec<bool> =
+        faces_by_patch.iter().map(|faces| faces.iter().all(|&f| is_placed(f))).collect();
+    let mut used = vec![false; charts.len()];
+    for (face, &patch) in opened.face_patches.iter().enumerate() {
+        for v in opened.mesh.triangles()[face] {
+            used[v.index()] |= has_chart[patch as usize];
+        }
+    }
+    for (number, _) in numbers.iter_mut().zip(&used).filter(|&(_, &used)| used) {
+        count += 1;
+        *number = count;
+    }
+    let placed = || charts.iter().zip(&used).filter(|&(_, &used)| used).map(|(&p, _)| p);
+    let Bounds { low, high } = Bounds::around(placed());
+    let extent = (high[0] - low[0]).max(high[1] - low[1]);
+    let extent = if extent > 0.0 { extent } else { 1.0 };
+
+    let new_points = &cut.points[mesh.vertex_count()..];
+    let mut out = String::with_capacity(64 * (soup.positions.len() + charts.len()));
+    out += "# Cutflow: surface cut into pieces, with texture coordinates\n";
+    out += "# units: as in the input, whose vertices come first, in order and unchanged\n";
+    out += &format!(
+        "# {} vertices of the input, {} new on the cut, {count} texture coordinates\n",
+        soup.positions.len(),
+        new_points.len(),
+    );
+    out += &format!("# {} faces, {} pieces\n", cut.triangles.len(), opened.patch_count);
+    if count > 0 && (extent * chart_unit).is_finite() {
+        out += "# uv_scale ";
+        exact(&mut out, extent * chart_unit);
+        out += " (units of the input per 1 in u and v)\n";
+    }
+    for &position in &soup.positions {
+        write_numbers(&mut out, "v", &position);
+    }
+    for &point in new_points {
+        write_numbers(&mut out, "v", &surface.place(point));
+    }
+    for [x, y] in placed() {
+        // Subtraction and division are monotonic: nothing leaves the unit square by rounding.
+        write_numbers(&mut out, "vt", &[(x - low[0]) / extent, (y - low[1]) / extent]);
+    }
+    for (patch, faces) in faces_by_patch.iter().enumerate() {
+        out += &format!("g piece_{}\n", patch + 1);
+        for &face in faces {
+            out.push('f');
+            for v in opened.mesh.triangles()[face] {
+                let point = surface.point_number(opened.vertex_points[v.index()]);
+                out += &match numbers[v.index()] {
+                    0 => format!(" {point}"),
+                    number => format!(" {point}/{number}"),
+                };
+            }
+            out.push('\n');
+        }
+    }
+    out.into_bytes()
+}
+
+/// The cut as OBJ polylines in the coordinates of the file, each as long as it can be between junctions.
+pub fn cut_obj(surface: &CutSurface) -> Vec<u8> {
+    let CutSurface { cut, .. } = *surface;
+    // Two cuts that end at one place of the surface's rim do not go on into each other.
+    let whole_rim = rim_points(surface);
+    let chains = chains(&cut.cut_edges, |point| whole_rim[point as usize]);
+    let mut points: Vec<u32> = cut.cut_edges.concat();
+    points.sort_unstable();
+    points.dedup();
+    let number = |point: u32| points.partition_point(|&p| p < point) + 1;
+    let mut out = String::from("# Cutflow: the cut, in the units of the input\n");
+    out += &format!("# {} points, {} polylines\no cut\n", points.len(), chains.len());
+    for &point in &points {
+        write_numbers(&mut out, "v", &surface.place(cut.points[point as usize]));
+    }
+    for chain in &chains {
+        out.push('l');
+        for &point in chain {
+            out += &format!(" {}", number(point));
+        }
+        out.push('\n');
+    }
+    out.into_bytes()
+}
+
+/// For each point whether it lies on the boundary of the surface itself.
+fn rim_points(surface: &CutSurface) -> Vec<bool> {
+    let opened = surface.opened;
+    let mut is_rim = vec![false; surface.cut.points.len()];
+    for &start in opened.mesh.boundary_loops() {
+        for outside in opened.mesh.boundary_loop(start) {
+            if opened.partner(outside.twin()).is_none() {
+                for v in opened.mesh.edge_vertices(outside.edge()) {
+                    is_rim[opened.vertex_points[v.index()] as usize] = true;
+                }
+            }
+        }
+    }
+    is_rim
+}
+
+fn write_numbers(out: &mut String, key: &str, numbers: &[f64]) {
+    *out += key;
+    for &x in numbers {
+        out.push(' ');
+        exact(out, x);
+    }
+    out.push('\n');
+}

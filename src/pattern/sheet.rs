@@ -1,0 +1,276 @@
+//! What is drawn of a pattern: lines and texts in layers, the same for every drawing format.
+
+use super::number::millimetre_text;
+use super::piece::{Pattern, Piece, length};
+use super::seam::Seam;
+
+/// A kind of line or text; drawing programs show or hide each as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Layer {
+    /// What is cut: the outlines.
+    Cut,
+    /// Where seams end, and what they are sewn to.
+    Seams,
+    /// Names of the pieces.
+    Labels,
+    /// Title and control square.
+    Control,
+}
+
+/// A polyline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its layer.
+    pub layer: Layer,
+    /// Unique on the sheet.
+    pub id: String,
+    /// Index of the piece that it belongs to.
+    pub piece: Option<usize>,
+    /// Whether the last point is joined to the first, which is not repeated.
+    pub is_closed: bool,
+    /// Places, mm, y up.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// A line of text, upright.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Text {
+    /// Its layer.
+    pub layer: Layer,
+    /// Unique on the sheet.
+    pub id: String,
+    /// Index of the piece that it belongs to.
+    pub piece: Option<usize>,
+    /// Index of the seam of that piece that it is written beside.
+    pub seam: Option<usize>,
+    /// Middle of the text, or of its left end.
+    pub at: [f64; 2],
+    /// Whether it begins at `at` instead of being centred there.
+    pub is_left: bool,
+    /// Height of capital letters and digits, mm.
+    pub height: f64,
+    /// The words.
+    pub text: String,
+}
+
+/// Everything that is drawn, from the lower left corner of the sheet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// Width and height, mm.
+    pub size: [f64; 2],
+    /// The pieces as they lie on the sheet.
+    pub pattern: Pattern,
+    /// Polylines, by layer.
+    pub lines: Vec<Line>,
+    /// Texts, by layer.
+    pub texts: Vec<Text>,
+}
+
+/// What a person wants on the sheet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SheetParams {
+    /// Name of the model.
+    pub title: String,
+    /// Millimetres per unit of the user's file, for the title; `None` leaves it out.
+    pub mm_per_model_unit: Option<f64>,
+    /// Free space on all four sides.
+    pub margin_mm: f64,
+}
+
+impl Default for SheetParams {
+    fn default() -> Self {
+        Self { title: "Pattern".into(), mm_per_model_unit: None, margin_mm: 10.0 }
+    }
+}
+
+/// Side of the control square.
+const SQUARE: f64 = 50.0;
+/// Between the pieces and what stands below them.
+const GAP: f64 = 10.0;
+/// Seam labels: as large as fits beside the seam, within what can be read and what does not crowd.
+const SEAM_TEXT: [f64; 2] = [2.0, 3.0];
+/// Length of the ticks where seams end.
+const TICK: f64 = 2.0;
+/// Width of a character over the height of capitals, generously: fonts differ.
+const CHARACTER: f64 = 0.85;
+
+impl Sheet {
+    /// Lays out title, control square, names and seam labels around the pieces.
+    pub fn new(mut pattern: Pattern, params: &SheetParams) -> Self {
+        let margin = params.margin_mm;
+        let [width, height] = pattern.bounds.high;
+        let footer = footer(&pattern, params);
+        let wanted = footer.iter().map(|(text, height)| SQUARE + 5.0 + text_width(text, *height));
+        let inner_width = wanted.fold(width, f64::max);
+        // Tenths of millimetres: sizes that people can read.
+        let tenths = |x: f64| (10.0 * x).ceil() / 10.0;
+        let below = if pattern.pieces.is_empty() { SQUARE } else { SQUARE + GAP };
+        let size = [tenths(inner_width + 2.0 * margin), tenths(height + below + 2.0 * margin)];
+        let origin = [margin, size[1] - margin - height];
+        pattern.translate(origin);
+        let mut sheet = Self { size, pattern, lines: Vec::new(), texts: Vec::new() };
+        for index in 0..sheet.pattern.pieces.len() {
+            sheet.draw_piece(index);
+        }
+        sheet.draw_control(margin, footer);
+        sheet.lines.sort_by_key(|line| line.layer);
+        sheet.texts.sort_by_key(|text| text.layer);
+        sheet
+    }
+
+    fn draw_piece(&mut self, index: usize) {
+        let piece = &self.pattern.pieces[index];
+        let name = &piece.name;
+        let line = |layer, id, is_closed, points| {
+            Line { layer, id, piece: Some(index), is_closed, points }
+        };
+        for (k, outline) in piece.outlines.iter().enumerate() {
+            let id = if k == 0 { format!("{name}-cut") } else { format!("{name}-hole-{k}") };
+            self.lines.push(line(Layer::Cut, id, true, outline.points.clone()));
+        }
+        for (k, (outline, point)) in seam_ends(piece).into_iter().enumerate() {
+            let points = tick(&piece.outlines[outline].points, point);
+            self.lines.push(line(Layer::Seams, format!("{name}-tick-{}", k + 1), false, points));
+        }
+        let mut text = |layer, id, seam, at, height, text| {
+            let piece = Some(index);
+            self.texts.push(Text { layer, id, piece, seam, at, is_left: false, height, text });
+        };
+        for (k, seam) in piece.seams.iter().enumerate() {
+            let label = piece.seam_label(seam);
+            let (at, height) = seam_label_place(piece, seam, &label);
+            let second = matches!(seam.partner, super::Partner::Own { is_second: true });
+            let id = format!("{name}-seam-{}{}", seam.number, if second { "-b" } else { "" });
+            text(Layer::Seams, id, Some(k), at, height, label);
+        }
+        let height = (0.4 * piece.room_mm).clamp(2.5, 10.0);
+        let small = (0.4 * height).max(2.0);
+        let [x, y] = piece.centre;
+        text(Layer::Labels, format!("{name}-name"), None, [x, y + 0.3 * height], height, name.clone());
+        let number = format!("{}/{}", piece.patch + 1, self.pattern.patch_count);
+        let y = y - 0.3 * height - small;
+        text(Layer::Labels, format!("{name}-number"), None, [x, y], small, number);
+        if piece.crossings > 0 {
+            let warning = "outline crosses itself".to_owned();
+            let at = [x, y - 1.5 * small];
+            text(Layer::Labels, format!("{name}-warning"), None, at, small, warning);
+        }
+    }
+
+    fn draw_control(&mut self, margin: f64, footer: Vec<(String, f64)>) {
+        let (low, high) = (margin, margin + SQUARE);
+        self.lines.push(Line {
+            layer: Layer::Control,
+            id: "control-square".into(),
+            piece: None,
+            is_closed: true,
+            points: vec![[low, low], [high, low], [high, high], [low, high]],
+        });
+        let mut text = |id: String, at, is_left, height, text| {
+            let layer = Layer::Control;
+            self.texts.push(Text { layer, id, piece: None, seam: None, at, is_left, height, text });
+        };
+        let middle = 0.5 * (low + high);
+        text("control-label".into(), [middle; 2], false, 3.0, "50 mm × 50 mm".into());
+        let mut y = high;
+        for (k, (words, height)) in footer.into_iter().enumerate() {
+            y -= height;
+            text(format!("title-{}", k + 1), [high + 5.0, y], true, height, words);
+            y -= height;
+        }
+    }
+}
+
+impl Pattern {
+    /// Moves all pieces.
+    fn translate(&mut self, by: [f64; 2]) {
+        for piece in &mut self.pieces {
+            piece.translate(by);
+        }
+        let Self { bounds, .. } = self;
+        for p in [&mut bounds.low, &mut bounds.high] {
+            *p = [p[0] + by[0], p[1] + by[1]];
+        }
+    }
+}
+
+/// The lines beside the control square and their heights.
+fn footer(pattern: &Pattern, params: &SheetParams) -> Vec<(String, f64)> {
+    let count = pattern.pieces.len();
+    let [width, height] = pattern.bounds.high;
+    let mut lines = vec![
+        (params.title.clone(), 5.0),
+        (
+            format!("{count} piece{}, {width:.0} × {height:.0} mm", if count == 1 { "" } else { "s" }),
+            3.0,
+        ),
+    ];
+    if let Some(mm) = params.mm_per_model_unit {
+        // Four significant digits.
+        let digits = (3.0 - mm.abs().log10().floor()).clamp(0.0, 4.0) as usize;
+        let mm = millimetre_text(format!("{mm:.digits$}").parse().unwrap_or(mm));
+        lines.push((format!("1 unit of the model = {mm} mm"), 3.0));
+    }
+    lines.push(("Print at 100 %: the square measures 50 mm".into(), 3.0));
+    lines.push(("Outer side up. 3 > B: seam 3, sewn to piece B".into(), 3.0));
+    lines
+}
+
+fn text_width(text: &str, height: f64) -> f64 {
+    CHARACTER * height * text.chars().count() as f64
+}
+
+/// Outline and point of every end of a seam, and the beginnings of closed seams.
+fn seam_ends(piece: &Piece) -> Vec<(usize, usize)> {
+    let mut ends = Vec::new();
+    for seam in &piece.seams {
+        let n = piece.outlines[seam.outline].points.len();
+        ends.push((seam.outline, seam.first));
+        ends.push((seam.outline, (seam.first + seam.sides) % n));
+    }
+    ends.sort_unstable();
+    ends.dedup();
+    ends
+}
+
+/// A short line from a point of an outline into the piece, halving the angle there.
+fn tick(points: &[[f64; 2]], at: usize) -> Vec<[f64; 2]> {
+    let n = points.len();
+    let p = points[at];
+    let into = unit(points[(at + n - 1) % n], p);
+    let out = unit(p, points[(at + 1) % n]);
+    // Sum of the left normals; where the outline turns back on itself (tip of a slit) straight on.
+    let sum = [-(into[1] + out[1]), into[0] + out[0]];
+    let size = sum[0].hypot(sum[1]);
+    let [x, y] = if size > 1e-6 { sum.map(|s| s / size) } else { into };
+    vec![p, [p[0] + TICK * x, p[1] + TICK * y]]
+}
+
+/// Where a seam's label stands, beside the middle of the seam inside the piece, and how large.
+fn seam_label_place(piece: &Piece, seam: &Seam, label: &str) -> ([f64; 2], f64) {
+    let points = piece.seam_points(seam);
+    let [smallest, largest] = SEAM_TEXT;
+    let height = (seam.length_mm / text_width(label, 1.0)).clamp(smallest, largest);
+    let mut rest = 0.5 * length(&points);
+    let mut place = (points[0], [1.0, 0.0]);
+    for side in points.windows(2) {
+        let step = length(side);
+        let direction = unit(side[0], side[1]);
+        place = ([0, 1].map(|a| side[0][a] + rest * direction[a]), direction);
+        if rest <= step {
+            break;
+        }
+        rest -= step;
+    }
+    let (middle, [dx, dy]) = place;
+    let normal = [-dy, dx];
+    // As far inside as the upright box of the text reaches back, and a little more.
+    let reach = 0.5 * (text_width(label, height) * normal[0].abs() + height * normal[1].abs());
+    ([0, 1].map(|a| middle[a] + (reach + 0.8) * normal[a]), height)
+}
+
+fn unit(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+    let d = [to[0] - from[0], to[1] - from[1]];
+    let size = d[0].hypot(d[1]);
+    if size > 0.0 { d.map(|x| x / size) } else { [1.0, 0.0] }
+}
