@@ -12,6 +12,8 @@ const LABELS = ["Surface view", "Flattened view"];
 const WHEEL_ZOOM = 1.25;
 /** Pixels that one press of an arrow key stands for. */
 const KEY_DRAG = 24;
+/** The longer side of an exported picture has this many pixels at least. */
+const PICTURE_PX = 2048;
 /** Losing the graphics more often than this in a row means that they cannot be had. */
 const REBUILDS = 4;
 
@@ -118,18 +120,23 @@ export class Views {
    */
   picture(view) {
     if (!this.#viewer || !this.#scene) return Promise.resolve(null);
-    // Setting the theme makes the viewer draw although nothing is new.
+    const canvas = this.#canvas(view);
+    const { clientWidth: width, clientHeight: height } = canvas;
+    const ratio = Math.max(devicePixelRatio || 1, PICTURE_PX / Math.max(width, height, 1));
+    this.#viewer.resize(view, width, height, ratio);
+    // Setting the theme makes the viewer draw although nothing else may be new.
     this.#viewer.set_theme(this.#flags.dark);
     this.#viewer.draw();
-    const canvas = this.#canvas(view);
     const copy = h("canvas", { width: canvas.width, height: canvas.height });
     const context = copy.getContext("2d");
     context.drawImage(canvas, 0, 0);
     if (view === FLAT) {
-      const ratio = canvas.width / canvas.clientWidth;
-      context.setTransform(ratio, 0, 0, ratio, 0, 0);
+      context.scale(canvas.width / width, canvas.height / height);
       this.#writeNumbers(context);
     }
+    this.#sizes[view] = "";
+    this.#resize();
+    this.#viewer.draw();
     return new Promise((resolve) => copy.toBlob(resolve, "image/png"));
   }
 
