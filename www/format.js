@@ -23,10 +23,11 @@ export function short(value) {
 }
 
 /** Three digits that mean something, as a dial would show them: 0.0100, 2.00, 3 000. */
-export function dial(value) {
+export function dial(value, most = 6) {
   if (value === 0) return "0";
-  const decimals = Math.max(0, 2 - Math.floor(Math.log10(Math.abs(value))));
-  return decimals > 6 ? short(value) : fixed(value, decimals);
+  const size = Math.abs(value);
+  if (size < 1e-3) return value.toExponential(1).replace(".0", "").replaceAll("-", MINUS);
+  return fixed(value, Math.min(most, Math.max(0, 2 - Math.floor(Math.log10(size)))));
 }
 
 /** Counts are written whole, quantities with about four digits. */
@@ -47,7 +48,7 @@ export const plural = (n, one, many = `${one}s`) => `${count(n)} ${n === 1 ? one
 
 /** What a person typed, or NaN: spaces, a decimal comma and a true minus sign are understood. */
 export function parse(text) {
-  const plain = text.replace(/[\s\u202f\u00a0]/g, "").replace(MINUS, "-").replace(",", ".");
+  const plain = text.replace(/[\s\u202f\u00a0]/g, "").replaceAll(MINUS, "-").replace(",", ".");
   return plain === "" ? NaN : Number(plain);
 }
 

@@ -27,6 +27,8 @@ const asked = readAddress();
 const now = {
   mesh: null,
   values: {},
+  /** The values with which the mesh was opened. */
+  opened: null,
   fields: { current: "pieces", options: [] },
   rows: [],
   pattern: null,
@@ -85,6 +87,7 @@ const handlers = {
   },
   mesh(event) {
     now.mesh = event;
+    now.opened = null;
     document.title = `Cutflow – ${event.name}`;
     mesh.show(event);
     error.hideRefusal();
@@ -93,6 +96,7 @@ const handlers = {
   },
   parameters(event) {
     now.values = event.values;
+    now.opened ??= event.values;
     parameters.show(event);
   },
   status(event) {
@@ -279,6 +283,7 @@ shareButton(() => ({
   name: now.mesh?.name,
   specs: parameters.specs(),
   values: now.values,
+  opened: now.opened ?? {},
 }));
 
 // The tools over the views.

@@ -35,7 +35,7 @@ function scale({ min, max, step, logarithmic, integer }) {
   const floor = min > 0 ? min : step > 0 ? step : max / 1e4;
   const span = Math.log(max / floor);
   return {
-    text: (value) => (integer ? fixed(value, 0) : dial(value)),
+    text: (value) => (integer ? fixed(value, 0) : dial(value, decimals(step))),
     toNotch: (value) => (value < floor ? 0 : (NOTCHES * Math.log(clamp(value) / floor)) / span),
     fromNotch: (notch) => {
       if (notch <= 0) return min;

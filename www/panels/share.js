@@ -1,4 +1,4 @@
-// Links that bring a setting back: the sample, the method and every parameter that differs from its default.
+// Links that bring a setting back: the sample, the method and every parameter that opening it would not set.
 
 import { byId, popover } from "../dom.js";
 
@@ -25,12 +25,13 @@ export function valueFor(spec, text) {
   return { true: true, false: false }[text];
 }
 
-function address({ sample, specs, values }) {
+function address({ sample, specs, values, opened }) {
   const query = new URLSearchParams();
   if (sample) query.set("sample", sample);
   query.set("method", "cutflow");
-  for (const { id, default: usual } of specs) {
-    if (id in values && values[id] !== usual) query.set(PREFIX + id, String(values[id]));
+  for (const { id } of specs) {
+    // Samples have values of their own; who opens the link for a file may start from any.
+    if (id in values && !(sample && values[id] === opened[id])) query.set(PREFIX + id, String(values[id]));
   }
   const url = new URL(location.href);
   url.hash = "";
@@ -38,7 +39,7 @@ function address({ sample, specs, values }) {
   return url.href;
 }
 
-/** `state()` gives `{ sample, name, specs, values }` of the document. */
+/** `state()` gives `{ sample, name, specs, values, opened }` of the document. */
 export function shareButton(state) {
   const panel = byId("share-pop");
   const [title, field, note] = panel.children;
