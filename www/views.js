@@ -123,6 +123,7 @@ export class Views {
     const canvas = this.#canvas(view);
     const { clientWidth: width, clientHeight: height } = canvas;
     const ratio = Math.max(devicePixelRatio || 1, PICTURE_PX / Math.max(width, height, 1));
+    this.#leave();
     this.#viewer.resize(view, width, height, ratio);
     // Setting the theme makes the viewer draw although nothing else may be new.
     this.#viewer.set_theme(this.#flags.dark);
@@ -200,7 +201,8 @@ export class Views {
       // A view that is not shown keeps its last size.
       if (width === 0 || height === 0 || this.#sizes[view] === size) return;
       this.#sizes[view] = size;
-      this.#viewer.resize(view, width, height, ratio);
+      this.#leave();
+    this.#viewer.resize(view, width, height, ratio);
     });
   }
 
