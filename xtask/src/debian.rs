@@ -6,18 +6,16 @@ use crate::process;
 
 /// Installs packages, or says how to.
 ///
-/// `why` completes the sentence "… is needed to".
+/// `why` completes the sentence "… are needed to".
 pub fn install(packages: &[&str], why: &str) -> Result<()> {
     let list = packages.join(" ");
     if process::find("apt-get").is_none() {
-        bail!(
-            "{list} (names of Debian packages) needed to {why}: install them in this system's way"
-        );
+        bail!("to {why}, install what Debian calls {list} in this system's way, and try again");
     }
     let Some(prefix) = privilege() else {
         bail!(
-            "{list} needed to {why}; this account may not install packages. Run\n\n    \
-             sudo apt-get update && sudo apt-get install -y {list}\n\nand try again"
+            "to {why}, install packages, which this account may not do by itself, and try again:\n\n    \
+             sudo apt-get update && sudo apt-get install -y {list}\n"
         );
     };
     println!("Installing {list}, needed to {why}.");

@@ -79,7 +79,10 @@ fn report(stages: &[Stage]) -> Result<()> {
         let (word, note) = match outcome {
             Outcome::Passed => ("passed", String::new()),
             Outcome::Skipped(reason) => ("skipped", (*reason).to_owned()),
-            Outcome::Failed(error) => ("FAILED", format!("{error:#}")),
+            // Its first line: all of it stands where it happened.
+            Outcome::Failed(error) => {
+                ("FAILED", format!("{error:#}").lines().next().unwrap_or_default().to_owned())
+            }
         };
         println!(
             "{}",

@@ -111,7 +111,7 @@ fn program(variable: &str, names: &[&str], package: &str) -> Result<PathBuf> {
         return Ok(path);
     }
     debian::install(&[package], "test in a real browser")
-        .with_context(|| format!("or set {variable} to the program's path"))?;
+        .with_context(|| format!("no {} on the path, and {variable} names none", names[0]))?;
     find().with_context(|| format!("{package} is installed, but none of {names:?} is on the path"))
 }
 
