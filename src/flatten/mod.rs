@@ -1,1 +1,126 @@
-//! flatten
+//! From patches to charts: flat pieces, how far they are from isometric, and where they lie on a sheet.
+//!
+//! A patch is a surface with boundary in space, a *chart* its image in the plane. [`bff`] flattens every patch of an opened
+//! mesh at once with as little stretching of the rims as conformality allows; [`measures`] says what the result is worth;
+//! [`overlap`] finds where outlines cross; [`pack`] lays the charts side by side.
+//!
+//! Guaranteed: seam partners are equally long in both charts ([`Flattening::seams_equal`]); charts are counter-clockwise.
+//! Not guaranteed: freedom from flips and overlaps, which are counted exactly and never hidden.
+//!
+//! Everything here is unitless: charts have the unit of the positions that they were made from.
+
+pub mod bff;
+mod closing;
+pub mod measures;
+pub mod overlap;
+pub mod pack;
+
+use nalgebra::{Point2, Vector2};
+
+use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
+
+pub use bff::{bff, bff_with};
+pub use measures::{ChartMeasures, Measures, measure};
+pub use pack::{Packing, Pose, Shape, pack};
+
+/// Why a patch has no chart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoChart {
+    /// Only disks can be flattened; this patch has another shape.
+    #[error("the patch is no disk (Euler characteristic {euler}, {boundary_loops} boundary loops)")]
+    NotADisk {
+        /// V − E + F of the patch.
+        euler: i64,
+        /// Number of boundary loops.
+        boundary_loops: usize,
+    },
+    /// A face has a side of length 0 or coordinates that are not finite, or is part of a system that cannot be solved.
+    #[error("face {} of the cut surface has no usable shape", .face.0)]
+    Degenerate {
+        /// The face, of the opened mesh.
+        face: FaceId,
+    },
+}
+
+/// Charts of the patches of an opened mesh, each in a frame of its own.
+#[derive(Clone, Debug)]
+pub struct Flattening {
+    /// For each patch its rim, or why it has no chart. The rim is counter-clockwise, by halfedges inside faces.
+    pub charts: Vec<Result<Vec<HalfedgeId>, NoChart>>,
+    /// Place of every vertex in its chart; NaN without chart.
+    pub uv: Vec<Point2<f64>>,
+    /// Log of the length ratio chart : surface that the method aimed at, 0 on rims; NaN without chart.
+    pub u: Vec<f64>,
+    /// Whether seam partners are equally long. False where the charts could only be closed each for itself.
+    pub seams_equal: bool,
+}
+
+impl Flattening {
+    /// The outline of a chart, counter-clockwise; empty without chart.
+    pub fn outline(&self, opened: &OpenedMesh, patch: usize) -> Vec<Point2<f64>> {
+        let rim = self.charts[patch].as_deref().unwrap_or_default();
+        rim.iter().map(|&h| self.uv[opened.mesh.tail(h).index()]).collect()
+    }
+
+    /// Lays the charts out on a sheet.
+    ///
+    /// **Takes** the number of the surface's own vertices: opened vertices below it keep their names while a cut moves, and
+    /// hold the layout still from one picture to the next (see [`pack`]); the gap between charts; the last layout, if any.
+    /// **Gives** one pose for each patch (the identity without chart).
+    pub fn pack(
+        &self,
+        opened: &OpenedMesh,
+        own_vertices: usize,
+        gap: f64,
+        previous: Option<&Packing>,
+    ) -> Packing {
+        let patch_count = self.charts.len();
+        let outlines: Vec<_> = (0..patch_count).map(|p| self.outline(opened, p)).collect();
+        let mut landmarks = vec![Vec::new(); patch_count];
+        let patches = opened.vertex_patches();
+        for (v, place) in self.uv.iter().enumerate().take(own_vertices) {
+            if place.x.is_finite() {
+                landmarks[patches[v] as usize].push((v as u32, *place));
+            }
+        }
+        let shapes: Vec<Shape> = outlines
+            .iter()
+            .zip(&landmarks)
+            .map(|(outline, landmarks)| Shape { outline, landmarks })
+            .collect();
+        pack(&shapes, gap, previous)
+    }
+
+    /// Place of every vertex on the sheet of a layout; NaN without chart.
+    pub fn place(&self, opened: &OpenedMesh, packing: &Packing) -> Vec<Point2<f64>> {
+        let patches = opened.vertex_patches();
+        self.uv.iter().zip(&patches).map(|(&p, &i)| packing.poses[i as usize].apply(p)).collect()
+    }
+}
+
+/// The rim of every patch that is a disk, counter-clockwise, by halfedges inside faces.
+pub fn rims(opened: &OpenedMesh) -> Vec<Result<Vec<HalfedgeId>, NoChart>> {
+    let mesh = &opened.mesh;
+    let mut rims: Vec<_> = opened
+        .patch_shapes()
+        .into_iter()
+        .map(|shape| match shape {
+            (1, 1) => Ok(Vec::new()),
+            (euler, boundary_loops) => Err(NoChart::NotADisk { euler, boundary_loops }),
+        })
+        .collect();
+    for &start in mesh.boundary_loops() {
+        let Some(face) = mesh.face(start.twin()) else { continue };
+        if let Ok(rim) = &mut rims[opened.face_patches[face.index()] as usize] {
+            // Boundary loops run clockwise, outside.
+            rim.extend(mesh.boundary_loop(start).map(HalfedgeId::twin));
+            rim.reverse();
+        }
+    }
+    rims
+}
+
+/// A quarter turn counter-clockwise.
+fn turned(v: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-v.y, v.x)
+}

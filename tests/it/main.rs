@@ -1,5 +1,6 @@
 //! The integration tests, one binary.
 
 mod cutgraphs;
+mod flattening;
 mod patterns;
 mod reading;
