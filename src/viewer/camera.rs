@@ -8,7 +8,7 @@ use glam::{Mat4, Vec2, Vec3};
 
 /// Vertical field of view: long enough a lens that a ball looks like a ball near the edge.
 const FIELD_OF_VIEW: f32 = 28.0 * std::f32::consts::PI / 180.0;
-/// How much of the shorter side the unit ball fills after [`Orbit::fit`].
+/// How much of the view the surface fills after [`Orbit::fit`].
 const FILL: f32 = 0.94;
 /// Turning never quite reaches the poles, where the turntable's sideways direction is lost.
 const MAX_PITCH: f32 = 1.55;
@@ -81,22 +81,39 @@ impl Default for Orbit {
 }
 
 impl Orbit {
-    /// Frames the unit ball and keeps the direction.
-    pub fn fit(&mut self, viewport: Viewport) {
-        self.target = Vec3::ZERO;
-        self.distance = Self::distance_to_fit(viewport);
-    }
-
-    /// Frames the unit ball from the first direction.
-    pub fn reset(&mut self, viewport: Viewport) {
-        *self = Self::default();
-        self.fit(viewport);
-    }
-
-    fn distance_to_fit(viewport: Viewport) -> f32 {
-        // The ball's outline is a cone of half-angle asin(1 / distance).
-        let half_height = (FIELD_OF_VIEW / 2.0).tan() * FILL * viewport.aspect().min(1.0);
-        1.0 / half_height.atan().sin()
+    /// Frames points of the unit ball and keeps the direction.
+    ///
+    /// The frame is that of everything which the points sweep when the table turns about its axis: closer
+    /// than the ball where a surface is flat or long, and nothing leaves the view while it turns.
+    pub fn fit(&mut self, points: impl Iterator<Item = Vec3> + Clone, viewport: Viewport) {
+        let slope = (FIELD_OF_VIEW / 2.0).tan() * FILL;
+        let slopes = Vec2::new(slope * viewport.aspect(), slope);
+        let (sin, cos) = self.pitch.sin_cos();
+        // A point sweeps a circle about the axis: an ellipse on the screen.
+        let sweep = |point: Vec3| (Vec2::new(point.x, point.z).length(), point.y);
+        let [low, high] = points.clone().map(sweep).fold([f32::MAX, f32::MIN], |span, circle| {
+            let (radius, height) = circle;
+            let (middle, reach) = (height * cos, radius * sin.abs());
+            [span[0].min(middle - reach), span[1].max(middle + reach)]
+        });
+        if low > high {
+            return;
+        }
+        // Looked at from the middle of what is seen, up the axis.
+        let middle = ((low + high) / 2.0 / cos).clamp(-1.0, 1.0);
+        self.target = Vec3::new(0.0, middle, 0.0);
+        // From the eye at distance d, a point at x to the side and z towards the eye is within the view
+        // if |x| <= slope (d - z). Over a circle the bound on d is largest at √(slope⁻² + cos²) to the
+        // side, and at the nearest or farthest point up and down.
+        self.distance = points.map(sweep).fold(1e-3, |distance, (radius, height)| {
+            let height = height - middle;
+            let sideways = radius * (slopes.x.powi(-2) + cos * cos).sqrt() + height * sin;
+            let nearest = |side: f32| {
+                let up = height * cos - side * radius * sin;
+                up.abs() / slopes.y + height * sin + side * radius * cos
+            };
+            distance.max(sideways).max(nearest(1.0)).max(nearest(-1.0))
+        });
     }
 
     /// Turns by a movement of the pointer: half a turn for the shorter side of the view.
@@ -115,9 +132,8 @@ impl Orbit {
 
     /// Magnifies by `factor` about a place of the screen, which stays where it is.
     pub fn zoom(&mut self, factor: f32, css: Vec2, viewport: Viewport) {
-        let fit = Self::distance_to_fit(viewport);
         let before = self.distance;
-        self.distance = (before / factor).clamp(fit * 0.04, fit * 4.0);
+        self.distance = (before / factor).clamp(0.15, 30.0);
         // The point of the target's plane under the pointer: moves with the ratio of the distances.
         let ndc = viewport.to_ndc(css);
         let half = (FIELD_OF_VIEW / 2.0).tan();
@@ -249,9 +265,19 @@ mod tests {
 
     const VIEWPORT: Viewport = Viewport { size: Vec2::new(600.0, 400.0), scale: 2.0 };
 
+    /// Points of the unit ball, flattened along y.
+    fn ball(flatness: f32) -> impl Iterator<Item = Vec3> + Clone {
+        (0..4000).map(move |i| {
+            let y = 1.0 - (i as f32 + 0.5) / 2000.0;
+            let (sin, cos) = (i as f32 * 2.4).sin_cos();
+            let radius = (1.0 - y * y).sqrt();
+            Vec3::new(radius * cos, y * flatness, radius * sin)
+        })
+    }
+
     fn orbit() -> Orbit {
         let mut orbit = Orbit::default();
-        orbit.fit(VIEWPORT);
+        orbit.fit(ball(1.0), VIEWPORT);
         orbit
     }
 
@@ -263,14 +289,25 @@ mod tests {
     }
 
     #[test]
-    fn the_ball_fills_the_shorter_side() {
-        let projection = orbit().projection(VIEWPORT);
-        let (_, up) = orbit().axes();
-        // The outline is the circle of tangent points, not the great circle across the view.
-        let distance = orbit().distance;
-        let top = up * (1.0 - 1.0 / distance.powi(2)).sqrt() + orbit().backward() / distance;
-        let y = to_screen(&projection, top).y;
-        assert!((y - 200.0 * (1.0 - FILL)).abs() < 0.1, "top of the ball at {y}");
+    fn what_is_framed_fills_the_view_and_never_leaves_it_while_turning() {
+        for (flatness, viewport) in [1.0, 0.3, 0.02].into_iter().flat_map(|f| {
+            let tall = Viewport { size: Vec2::new(300.0, 800.0), scale: 1.0 };
+            [(f, VIEWPORT), (f, tall)]
+        }) {
+            let mut orbit = Orbit::default();
+            orbit.fit(ball(flatness), viewport);
+            let mut most = Vec2::ZERO;
+            for turn in 0..4 {
+                orbit.yaw = turn as f32 * 0.7;
+                let projection = orbit.projection(viewport);
+                for point in ball(flatness) {
+                    let clip = projection.world_to_clip * point.extend(1.0);
+                    most = most.max((clip.truncate().truncate() / clip.w).abs());
+                }
+            }
+            assert!(most.max_element() <= FILL + 1e-3, "{flatness}: up to {most}");
+            assert!(most.max_element() > FILL - 0.12, "{flatness}: only up to {most}");
+        }
     }
 
     #[test]

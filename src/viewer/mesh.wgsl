@@ -81,10 +81,9 @@ fn lit(colour: vec3f, normal: vec3f, to_eye: vec3f, openness: f32) -> vec3f {
     let wrapped = max(dot(normal, key) * 0.72 + 0.28, 0.0);
     // Creases are darker in the ambient light than in the key light, which comes from one side.
     let closed = 1.0 - openness;
-    let ambient = (0.20 + 0.26 * sky) * (1.0 - 0.92 * closed);
-    let direct = 0.60 * wrapped * (0.4 + 0.6 * wrapped) * (1.0 - 0.65 * closed);
+    let ambient = (0.30 + 0.26 * sky) * (1.0 - 0.92 * closed);
+    let direct = 0.52 * wrapped * (0.4 + 0.6 * wrapped) * (1.0 - 0.65 * closed);
     let side = 0.10 * max(dot(normal, fill), 0.0) * openness;
-    // Light among the things of a colour keeps it: creases do not turn grey.
     let light = ambient + direct + side;
     let linear_colour = decode(colour);
     let half_way = normalize(key + normalize(to_eye));

@@ -130,14 +130,17 @@ fn build(
     build(nodes, order, middle, end, boxes);
 }
 
-/// Slab test. A direction of zero gives an infinite reciprocal, and 0 × ∞ = NaN is dropped by
-/// `min` and `max`; flat boxes are met because the comparison admits equality.
+/// Slab test. Flat boxes are met because the comparison admits equality.
 fn meets_box(origin: Vec3, inverse: Vec3, node: &Node, limit: f32) -> bool {
     let mut enter = 0.0_f32;
     let mut leave = limit;
     for axis in 0..3 {
         let a = (node.low[axis] - origin[axis]) * inverse[axis];
         let b = (node.high[axis] - origin[axis]) * inverse[axis];
+        // 0 × ∞: along the face of the box, which belongs to it.
+        if a.is_nan() || b.is_nan() {
+            continue;
+        }
         enter = enter.max(a.min(b));
         leave = leave.min(a.max(b));
     }

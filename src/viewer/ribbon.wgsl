@@ -112,10 +112,10 @@ fn ribbon_vertex(
 
 @fragment
 fn ribbon_fragment(corner: Corner) -> @location(0) vec4f {
-    // Beyond a joint the neighbour draws.
+    // Beyond a joint the neighbour draws; a hair of overlap, since both round in their own way.
     let from_start = corner.place;
     let from_end = corner.place - vec2f(corner.length, 0.0);
-    if dot(from_start, corner.joints.xy) < 0.0 || dot(from_end, corner.joints.zw) > 0.0 {
+    if dot(from_start, corner.joints.xy) < -0.03 || dot(from_end, corner.joints.zw) > 0.03 {
         discard;
     }
     let nearest = vec2f(corner.place.x - clamp(corner.place.x, 0.0, corner.length), corner.place.y);

@@ -178,7 +178,8 @@ impl Stage {
             self.hierarchies[View::Flat as usize] = None;
         }
         if is_first {
-            self.orbit.reset(self.viewport(View::Surface));
+            self.orbit = Orbit::default();
+            self.fit_orbit();
             self.sheet_is_fitted = true;
         }
         if self.sheet_is_fitted {
@@ -239,7 +240,7 @@ impl Stage {
             return;
         }
         match view {
-            View::Surface if was_empty => self.orbit.fit(viewport),
+            View::Surface if was_empty => self.fit_orbit(),
             View::Flat if was_empty || self.sheet_is_fitted => {
                 self.sheet.fit(self.scene.sheet, viewport);
             }
@@ -290,11 +291,19 @@ impl Stage {
     pub fn fit(&mut self, view: View) {
         let Some(viewport) = self.usable(view, Vec2::ZERO) else { return };
         match view {
-            View::Surface => self.orbit.fit(viewport),
+            View::Surface => self.fit_orbit(),
             View::Flat => {
                 self.sheet.fit(self.scene.sheet, viewport);
                 self.sheet_is_fitted = true;
             }
+        }
+    }
+
+    fn fit_orbit(&mut self) {
+        let viewport = self.viewport(View::Surface);
+        if !viewport.is_empty() {
+            let points = self.scene.positions.as_chunks().0.iter().copied();
+            self.orbit.fit(points.map(Vec3::from_array), viewport);
         }
     }
 
@@ -553,10 +562,10 @@ mod tests {
     #[test]
     fn pointing_at_a_chart_gives_the_place_on_the_surface() {
         let mut stage = stage(two_squares());
-        let css = stage.sheet.to_screen(Vec2::new(1.5, 0.25), stage.viewport(View::Flat));
+        let css = stage.sheet.to_screen(Vec2::new(1.75, 0.25), stage.viewport(View::Flat));
         let pick = stage.pick(View::Flat, css).expect("the second square");
         assert_eq!((pick.patch, pick.triangle, pick.face), (1, 2, 1));
-        assert!(pick.place.distance(Vec3::new(0.25, 0.25, 0.0)) < 1e-4);
+        assert!(pick.place.distance(Vec3::new(0.5, 0.25, 0.0)) < 1e-4);
     }
 
     #[test]
