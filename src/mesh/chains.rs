@@ -37,14 +37,13 @@ pub fn chains(edges: &[[u32; 2]], ends_at: impl Fn(u32) -> bool) -> Vec<Vec<u32>
 
     let mut chains = Vec::new();
     let mut seen = vec![false; edges.len()];
-    for seed in 0..edges.len() {
-        if seen[seed] {
+    for (seed, &[mut start, _]) in (0u32..).zip(edges) {
+        if seen[seed as usize] {
             continue;
         }
         // Back to where the chain begins, or once around.
-        let [mut start, _] = edges[seed];
-        let mut first = seed as u32;
-        while let Some(before) = continuation(start, first).filter(|&e| e != seed as u32) {
+        let mut first = seed;
+        while let Some(before) = continuation(start, first).filter(|&e| e != seed) {
             start = other_end(start, before);
             first = before;
         }

@@ -51,7 +51,8 @@ pub fn cut_json(surface: &CutSurface, vertex_labels: &[u32]) -> Vec<u8> {
     // The patch on the left of each directed edge of the cut.
     let mut left_patches: Vec<([u32; 2], u32)> = Vec::with_capacity(2 * cut.cut_edges.len());
     for f in opened.mesh.faces() {
-        for h in opened.mesh.face_halfedges(f).into_iter().filter(|&h| opened.partner(h).is_some()) {
+        for h in opened.mesh.face_halfedges(f).into_iter().filter(|&h| opened.partner(h).is_some())
+        {
             let ends = [opened.mesh.tail(h), opened.mesh.tip(h)];
             let ends = ends.map(|v| opened.vertex_points[v.index()]);
             left_patches.push((ends, opened.face_patches[f.index()]));

@@ -5,7 +5,11 @@ pub(super) fn exact(out: &mut String, x: f64) {
     debug_assert!(x.is_finite());
     let size = x.abs();
     // The shortest digits that read back as x; all of them in full would be hundreds for extreme numbers.
-    *out += &if size != 0.0 && !(1e-5..1e15).contains(&size) { format!("{x:e}") } else { format!("{x}") };
+    *out += &if size != 0.0 && !(1e-5..1e15).contains(&size) {
+        format!("{x:e}")
+    } else {
+        format!("{x}")
+    };
 }
 
 /// Appends a length in millimetres: at most four decimals, no trailing zeros, no −0.
@@ -30,10 +34,23 @@ mod tests {
     #[test]
     fn exact_numbers_read_back_bit_for_bit() {
         let mut bits = 0x9e37_79b9_7f4a_7c15_u64;
-        let mut numbers =
-            vec![0.0, -0.0, 1.0, -2.5, 0.1, f64::MIN_POSITIVE, 5e-324, f64::MAX, 1e15, 1e-5, 123456.789];
+        let mut numbers = vec![
+            0.0,
+            -0.0,
+            1.0,
+            -2.5,
+            0.1,
+            f64::MIN_POSITIVE,
+            5e-324,
+            f64::MAX,
+            1e15,
+            1e-5,
+            123456.789,
+        ];
         for _ in 0..10_000 {
-            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            bits = bits
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             numbers.push(f64::from_bits(bits));
         }
         for x in numbers.into_iter().filter(|x| x.is_finite()) {
@@ -47,7 +64,13 @@ mod tests {
     #[test]
     fn millimetres_are_short() {
         let cases = [
-            (0.0, "0"), (-0.00001, "0"), (50.0, "50"), (1.25, "1.25"), (0.00016, "0.0002"), (-3.5, "-3.5"), (100.0, "100"),
+            (0.0, "0"),
+            (-0.00001, "0"),
+            (50.0, "50"),
+            (1.25, "1.25"),
+            (0.00016, "0.0002"),
+            (-3.5, "-3.5"),
+            (100.0, "100"),
         ];
         for (x, text) in cases {
             assert_eq!(millimetre_text(x), text);

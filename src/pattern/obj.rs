@@ -29,7 +29,11 @@ impl CutSurface<'_> {
     fn point_number(&self, point: u32) -> usize {
         let point = point as usize;
         let own = self.mesh.vertex_count();
-        if point < own { self.soup_vertex(point) + 1 } else { self.soup.positions.len() + point - own + 1 }
+        if point < own {
+            self.soup_vertex(point) + 1
+        } else {
+            self.soup.positions.len() + point - own + 1
+        }
     }
 
     /// Where a point lies in the coordinates of the file.

@@ -1,12 +1,13 @@
 //! Pieces in millimetres.
 
 use std::collections::BinaryHeap;
+use std::f64::consts::SQRT_2;
 use std::fmt;
 
-use nalgebra::Point3;
-use robust::{Coord, orient2d};
+use nalgebra::{Point2, Point3};
 
 use super::seam::{Partner, Rims, Run, Seam};
+use crate::flatten::overlap;
 use crate::mesh::{OpenedMesh, VertexId};
 
 /// All pieces, as they lie on the sheet.
@@ -89,13 +90,24 @@ impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoChart { patch } => {
-                write!(f, "piece {} ({}) is missing: it was not flattened", patch + 1, piece_name(*patch))
+                write!(
+                    f,
+                    "piece {} ({}) is missing: it was not flattened",
+                    patch + 1,
+                    piece_name(*patch)
+                )
             }
             Self::NoArea { patch } => {
-                write!(f, "piece {} ({}) is missing: its chart has no area", patch + 1, piece_name(*patch))
+                write!(
+                    f,
+                    "piece {} ({}) is missing: its chart has no area",
+                    patch + 1,
+                    piece_name(*patch)
+                )
             }
             Self::CrossesItself { patch, crossings, at } => {
-                let times = if *crossings == 1 { "once".into() } else { format!("{crossings} times") };
+                let times =
+                    if *crossings == 1 { "once".into() } else { format!("{crossings} times") };
                 let [x, y] = at;
                 let name = piece_name(*patch);
                 write!(f, "the outline of piece {} ({name}) crosses itself {times}, ", patch + 1)?;
@@ -138,7 +150,8 @@ impl Pattern {
             let mut outlines: Vec<(Outline, Vec<Run>)> = Vec::new();
             for (sides, runs) in loops.iter().zip(runs) {
                 let vertices: Vec<VertexId> = sides.iter().map(|&h| opened.mesh.tail(h)).collect();
-                let points = vertices.iter().map(|v| charts[v.index()].map(|x| x * mm_per_unit));
+                let place = |v: &VertexId| charts[v.index()].map(|x| x * mm_per_unit);
+                let points = vertices.iter().map(place);
                 outlines.push((Outline { points: points.collect(), vertices }, runs));
             }
             outlines.sort_by(|(a, _), (b, _)| b.area_mm2().total_cmp(&a.area_mm2()));
@@ -201,9 +214,9 @@ impl Notice {
     /// The patch that it is about.
     pub fn patch(&self) -> usize {
         match *self {
-            Self::NoChart { patch } | Self::NoArea { patch } | Self::CrossesItself { patch, .. } => {
-                patch
-            }
+            Self::NoChart { patch }
+            | Self::NoArea { patch }
+            | Self::CrossesItself { patch, .. } => patch,
         }
     }
 }
@@ -214,7 +227,9 @@ impl Piece {
             patch,
             name: piece_name(patch),
             area_mm2: outlines.iter().map(Outline::area_mm2).sum(),
-            bounds: Bounds::around(outlines.iter().flat_map(|outline| outline.points.iter().copied())),
+            bounds: Bounds::around(
+                outlines.iter().flat_map(|outline| outline.points.iter().copied()),
+            ),
             centre: [0.0; 2],
             room_mm: 0.0,
             crossings: 0,
@@ -263,49 +278,31 @@ impl Piece {
 
     /// Finds the pole of inaccessibility by a best-first search over squares, to a hundredth of the piece's width.
     fn centre_and_room(&mut self) {
-        // Ordered by how good the best place in a square can be. Distances are compared as bits of numbers made positive.
-        #[derive(PartialEq, PartialOrd)]
-        struct Square {
-            bound: f64,
-            half: f64,
-            centre: [f64; 2],
-        }
-        impl Eq for Square {}
-        impl Ord for Square {
-            fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-                self.bound.total_cmp(&other.bound)
-            }
-        }
         let Bounds { low, high } = self.bounds;
         let extent = [high[0] - low[0], high[1] - low[1]];
-        let size = extent[0].min(extent[1]).max(extent[0].max(extent[1]) / 64.0);
-        let tolerance = 0.01 * size;
-        let mut best = ([f64::NAN; 2], f64::NEG_INFINITY);
-        let mut squares = BinaryHeap::new();
-        let mut look = |piece: &Self, centre: [f64; 2], half: f64, squares: &mut BinaryHeap<Square>| {
-            let distance = piece.distance(centre);
-            if distance > best.1 {
-                best = (centre, distance);
-            }
-            let bound = distance + half * std::f64::consts::SQRT_2;
-            if bound > best.1 + tolerance {
-                squares.push(Square { bound, half, centre });
-            }
-            best.1
-        };
-        let counts = extent.map(|e| (e / size).ceil().max(1.0) as usize);
-        let mut reached = f64::NEG_INFINITY;
-        for (i, j) in (0..counts[0]).flat_map(|i| (0..counts[1]).map(move |j| (i, j))) {
-            let centre = [low[0] + (i as f64 + 0.5) * size, low[1] + (j as f64 + 0.5) * size];
-            reached = look(self, centre, 0.5 * size, &mut squares);
-        }
-        while let Some(Square { bound, half, centre: [x, y] }) = squares.pop() {
-            if bound <= reached + tolerance {
+        let tolerance = 0.01 * extent[0].min(extent[1]).max(extent[0].max(extent[1]) / 64.0);
+        // Squares by centre and half side, and the distance that no point of a square can exceed. That is positive
+        // where it matters, and then ordered as its bits are.
+        let mut squares =
+            vec![([0, 1].map(|a| 0.5 * (low[a] + high[a])), 0.5 * extent[0].max(extent[1]))];
+        let mut queue = BinaryHeap::from([(f64::INFINITY.to_bits(), 0)]);
+        let mut best = (squares[0].0, self.distance(squares[0].0));
+        while let Some((bound, square)) = queue.pop() {
+            if f64::from_bits(bound) <= best.1 + tolerance {
                 break;
             }
+            let ([x, y], half) = squares[square];
             let h = 0.5 * half;
             for centre in [[x - h, y - h], [x + h, y - h], [x - h, y + h], [x + h, y + h]] {
-                reached = look(self, centre, h, &mut squares);
+                let distance = self.distance(centre);
+                if distance > best.1 {
+                    best = (centre, distance);
+                }
+                let bound = distance + h * SQRT_2;
+                if bound > best.1.max(0.0) + tolerance {
+                    queue.push((bound.to_bits(), squares.len()));
+                    squares.push((centre, h));
+                }
             }
         }
         (self.centre, self.room_mm) = (best.0, best.1.max(0.0));
@@ -317,9 +314,7 @@ impl Outline {
     pub fn area_mm2(&self) -> f64 {
         // About a point of the outline, so that a far sheet loses no digits.
         let Some(&[x, y]) = self.points.first() else { return 0.0 };
-        let twice = self.sides().map(|(a, b)| {
-            (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x)
-        });
+        let twice = self.sides().map(|(a, b)| (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x));
         0.5 * twice.sum::<f64>()
     }
 
@@ -369,52 +364,30 @@ const DEPTH_MM: f64 = 1e-3;
 
 /// How often the sides of outlines cross, and where first.
 fn crossings(outlines: &[Outline]) -> (usize, [f64; 2]) {
-    let sides: Vec<([f64; 2], [f64; 2])> = outlines.iter().flat_map(Outline::sides).collect();
-    let Bounds { low, high } = Bounds::around(sides.iter().map(|&(a, _)| a));
-    // A grid about as fine as the sides are long: few sides in each cell.
-    let mean = sides.iter().map(|&(a, b)| length(&[a, b])).sum::<f64>() / sides.len() as f64;
-    let size = mean.max((high[0] - low[0]).max(high[1] - low[1]) / 512.0);
-    if !(size > 0.0 && size.is_finite()) {
-        return (0, [0.0; 2]);
-    }
-    let cell = |x: f64, axis: usize| ((x - low[axis]) / size) as u32;
-    let mut entries: Vec<([u32; 2], u32)> = Vec::new();
-    for (index, &(a, b)) in (0u32..).zip(&sides) {
-        let range = |axis: usize| {
-            cell(a[axis].min(b[axis]), axis)..=cell(a[axis].max(b[axis]), axis)
-        };
-        entries.extend(range(0).flat_map(|i| range(1).map(move |j| ([i, j], index))));
-    }
-    entries.sort_unstable();
-    let mut pairs: Vec<[u32; 2]> = Vec::new();
-    for group in entries.chunk_by(|s, t| s.0 == t.0) {
-        for (k, &(_, s)) in group.iter().enumerate() {
-            let others = group[k + 1..].iter().map(|&(_, t)| t);
-            pairs.extend(others.filter(|&t| cross(sides[s as usize], sides[t as usize])).map(|t| [s, t]));
-        }
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    let at = pairs.first().map_or([0.0; 2], |&[s, t]| {
-        let ((a, b), (c, d)) = (sides[s as usize], sides[t as usize]);
-        let (ca, cb) = (turn(c, d, a), turn(c, d, b));
-        let t = ca / (ca - cb);
-        [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
-    });
-    (pairs.len(), at)
-}
-
-/// Twice the signed area of a triangle, its sign exact.
-fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    let [a, b, c] = [a, b, c].map(|[x, y]| Coord { x, y });
-    orient2d(a, b, c)
-}
-
-/// Whether two sides cross, each deeper than [`DEPTH_MM`].
-fn cross((a, b): ([f64; 2], [f64; 2]), (c, d): ([f64; 2], [f64; 2])) -> bool {
-    let depth = |a: [f64; 2], b: [f64; 2], c: [f64; 2], d: [f64; 2]| {
-        let (p, q) = (turn(a, b, c), turn(a, b, d));
-        if (p > 0.0) == (q > 0.0) { 0.0 } else { p.abs().min(q.abs()) / length(&[a, b]) }
+    let corners: Vec<Vec<Point2<f64>>> = outlines
+        .iter()
+        .map(|outline| outline.points.iter().copied().map(Point2::from).collect())
+        .collect();
+    let corners: Vec<&[Point2<f64>]> = corners.iter().map(Vec::as_slice).collect();
+    let ends = |name: overlap::Side| {
+        let corners = corners[name.outline as usize];
+        let i = name.side as usize;
+        [corners[i], corners[(i + 1) % corners.len()]]
     };
-    depth(a, b, c, d) > DEPTH_MM && depth(c, d, a, b) > DEPTH_MM
+    let pairs = overlap::crossings(&corners).into_iter().map(|pair| pair.map(ends));
+    let deep: Vec<_> =
+        pairs.filter(|&[s, t]| depth(s, t) > DEPTH_MM && depth(t, s) > DEPTH_MM).collect();
+    let at = deep.first().map_or([0.0; 2], |&[[a, b], [c, d]]| {
+        let [before, after] = [a, b].map(|p| overlap::orientation(c, d, p));
+        let p = a + (b - a) * (before / (before - after));
+        [p.x, p.y]
+    });
+    (deep.len(), at)
+}
+
+/// How far a segment that crosses a line reaches beyond it.
+fn depth(line: [Point2<f64>; 2], segment: [Point2<f64>; 2]) -> f64 {
+    let [a, b] = line;
+    let twice = segment.map(|p| overlap::orientation(a, b, p).abs());
+    twice[0].min(twice[1]) / (b - a).norm()
 }

@@ -90,9 +90,11 @@ impl<'a> Rims<'a> {
                     next_number += 1;
                     numbers.insert(opposite, number);
                 }
-                let across = self.opened.mesh.face(opposite).map_or(patch, |face| {
-                    self.opened.face_patches[face.index()] as usize
-                });
+                let across = self
+                    .opened
+                    .mesh
+                    .face(opposite)
+                    .map_or(patch, |face| self.opened.face_patches[face.index()] as usize);
                 let partner = if across == patch {
                     Partner::Own { is_second: met.is_some() }
                 } else {

@@ -92,7 +92,9 @@ const SEAM_TEXT: [f64; 2] = [2.0, 3.0];
 /// Length of the ticks where seams end.
 const TICK: f64 = 2.0;
 /// Width of a character over the height of capitals, generously: fonts differ.
-const CHARACTER: f64 = 0.85;
+const CHARACTER: f64 = 0.8;
+/// Between a seam and its label.
+const LABEL_GAP: f64 = 1.2;
 
 impl Sheet {
     /// Lays out title, control square, names and seam labels around the pieces.
@@ -121,8 +123,12 @@ impl Sheet {
     fn draw_piece(&mut self, index: usize) {
         let piece = &self.pattern.pieces[index];
         let name = &piece.name;
-        let line = |layer, id, is_closed, points| {
-            Line { layer, id, piece: Some(index), is_closed, points }
+        let line = |layer, id, is_closed, points| Line {
+            layer,
+            id,
+            piece: Some(index),
+            is_closed,
+            points,
         };
         for (k, outline) in piece.outlines.iter().enumerate() {
             let id = if k == 0 { format!("{name}-cut") } else { format!("{name}-hole-{k}") };
@@ -146,7 +152,14 @@ impl Sheet {
         let height = (0.4 * piece.room_mm).clamp(2.5, 10.0);
         let small = (0.4 * height).max(2.0);
         let [x, y] = piece.centre;
-        text(Layer::Labels, format!("{name}-name"), None, [x, y + 0.3 * height], height, name.clone());
+        text(
+            Layer::Labels,
+            format!("{name}-name"),
+            None,
+            [x, y + 0.3 * height],
+            height,
+            name.clone(),
+        );
         let number = format!("{}/{}", piece.patch + 1, self.pattern.patch_count);
         let y = y - 0.3 * height - small;
         text(Layer::Labels, format!("{name}-number"), None, [x, y], small, number);
@@ -201,13 +214,16 @@ fn footer(pattern: &Pattern, params: &SheetParams) -> Vec<(String, f64)> {
     let mut lines = vec![
         (params.title.clone(), 5.0),
         (
-            format!("{count} piece{}, {width:.0} × {height:.0} mm", if count == 1 { "" } else { "s" }),
+            format!(
+                "{count} piece{}, {width:.0} × {height:.0} mm",
+                if count == 1 { "" } else { "s" }
+            ),
             3.0,
         ),
     ];
     if let Some(mm) = params.mm_per_model_unit {
         // Four significant digits.
-        let digits = (3.0 - mm.abs().log10().floor()).clamp(0.0, 4.0) as usize;
+        let digits = [1000.0, 100.0, 10.0, 1.0].iter().filter(|&&limit| mm < limit).count();
         let mm = millimetre_text(format!("{mm:.digits$}").parse().unwrap_or(mm));
         lines.push((format!("1 unit of the model = {mm} mm"), 3.0));
     }
@@ -237,8 +253,13 @@ fn seam_ends(piece: &Piece) -> Vec<(usize, usize)> {
 fn tick(points: &[[f64; 2]], at: usize) -> Vec<[f64; 2]> {
     let n = points.len();
     let p = points[at];
-    let into = unit(points[(at + n - 1) % n], p);
-    let out = unit(p, points[(at + 1) % n]);
+    // Directions over a distance, because an outline may have steps far smaller than what is drawn.
+    let far = |step: usize| {
+        let mut others = (1..n).map(|k| points[(at + k * step) % n]);
+        let is_far = |q: &[f64; 2]| length(&[p, *q]) > 0.5 * TICK;
+        others.clone().find(is_far).or_else(|| others.next_back()).unwrap_or(p)
+    };
+    let (into, out) = (unit(far(n - 1), p), unit(p, far(1)));
     // Sum of the left normals; where the outline turns back on itself (tip of a slit) straight on.
     let sum = [-(into[1] + out[1]), into[0] + out[0]];
     let size = sum[0].hypot(sum[1]);
@@ -251,22 +272,30 @@ fn seam_label_place(piece: &Piece, seam: &Seam, label: &str) -> ([f64; 2], f64) 
     let points = piece.seam_points(seam);
     let [smallest, largest] = SEAM_TEXT;
     let height = (seam.length_mm / text_width(label, 1.0)).clamp(smallest, largest);
-    let mut rest = 0.5 * length(&points);
-    let mut place = (points[0], [1.0, 0.0]);
+    let width = text_width(label, height);
+    // The direction of the seam over the width of the text, not that of one small side.
+    let middle = 0.5 * seam.length_mm;
+    let [before, at, after] =
+        [middle - 0.5 * width, middle, middle + 0.5 * width].map(|s| point_along(&points, s));
+    let [dx, dy] = unit(before, after);
+    let normal = [-dy, dx];
+    // As far inside as the upright box of the text reaches back, and a little more.
+    let reach = 0.5 * (width * normal[0].abs() + height * normal[1].abs());
+    ([0, 1].map(|a| at[a] + (reach + LABEL_GAP) * normal[a]), height)
+}
+
+/// The point of a polyline at an arc length, its ends beyond them.
+fn point_along(points: &[[f64; 2]], arc_length: f64) -> [f64; 2] {
+    let mut rest = arc_length;
     for side in points.windows(2) {
         let step = length(side);
-        let direction = unit(side[0], side[1]);
-        place = ([0, 1].map(|a| side[0][a] + rest * direction[a]), direction);
         if rest <= step {
-            break;
+            let t = if step > 0.0 { (rest / step).max(0.0) } else { 0.0 };
+            return [0, 1].map(|a| side[0][a] + t * (side[1][a] - side[0][a]));
         }
         rest -= step;
     }
-    let (middle, [dx, dy]) = place;
-    let normal = [-dy, dx];
-    // As far inside as the upright box of the text reaches back, and a little more.
-    let reach = 0.5 * (text_width(label, height) * normal[0].abs() + height * normal[1].abs());
-    ([0, 1].map(|a| middle[a] + (reach + 0.8) * normal[a]), height)
+    points[points.len() - 1]
 }
 
 fn unit(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {

@@ -1,14 +1,28 @@
 //! Pieces and files: what stands in them is what was cut, in real size, and joins up again.
-#![allow(clippy::unwrap_used, clippy::disallowed_methods, reason = "tests may panic and read files")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::cast_possible_truncation,
+    clippy::float_cmp,
+    reason = "tests may panic and read files, are small, and compare what must be equal"
+)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
-use cutflow::mesh::{CutMesh, FaceId, HalfedgeId, Mesh, OpenedMesh, Soup, SurfacePoint, VertexId, obj};
-use cutflow::pattern::{
-    CutSurface, Notice, Partner, Pattern, Sheet, SheetParams, cut_json, cut_obj, piece_name, svg, uv_obj,
+use cutflow::flatten::bff;
+use cutflow::geometry::Geometry;
+use cutflow::mesh::{
+    CutMesh, FaceId, HalfedgeId, Mesh, OpenedMesh, Soup, SurfacePoint, VertexId, obj,
 };
-use nalgebra::{Point2, Point3, Vector2};
+use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial};
+use cutflow::methods::cutgraph::cut_to_disks;
+use cutflow::pattern::{
+    CutSurface, Notice, Partner, Pattern, Sheet, SheetParams, cut_json, cut_obj, piece_name, svg,
+    uv_obj,
+};
+use cutflow::session::samples;
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 /// A surface, cut and flattened: every patch of it can be unfolded without distortion.
 struct Example {
@@ -32,10 +46,11 @@ impl Example {
 
     fn refined(soup: Soup, mesh: Mesh, cut: CutMesh) -> Self {
         let opened = cut.open().unwrap();
-        let surface = CutSurface { soup: &soup, soup_vertices: &[], mesh: &mesh, cut: &cut, opened: &opened };
+        let surface =
+            CutSurface { soup: &soup, soup_vertices: &[], mesh: &mesh, cut: &cut, opened: &opened };
         let positions: Vec<Point3<f64>> =
             cut.points.iter().map(|&p| Point3::from(surface.place(p))).collect();
-        let charts = unfold(&opened, &positions);
+        let charts = unfold(&opened, &positions).into_iter().map(Into::into).collect();
         Self { soup, mesh, cut, opened, positions, charts }
     }
 
@@ -59,11 +74,11 @@ impl Example {
 }
 
 /// Lays triangle beside triangle with the lengths that they have, and the patches in a row.
-fn unfold(opened: &OpenedMesh, positions: &[Point3<f64>]) -> Vec<[f64; 2]> {
+fn unfold(opened: &OpenedMesh, positions: &[Point3<f64>]) -> Vec<Point2<f64>> {
     let mesh = &opened.mesh;
     let place = |v: VertexId| positions[opened.vertex_points[v.index()] as usize];
     let length = |h: HalfedgeId| (place(mesh.tip(h)) - place(mesh.tail(h))).norm();
-    let mut charts = vec![[f64::NAN; 2]; mesh.vertex_count()];
+    let mut charts = vec![Point2::new(f64::NAN, f64::NAN); mesh.vertex_count()];
     let mut is_done = vec![false; mesh.face_count()];
     let mut right = 0.0;
     for seed in mesh.faces() {
@@ -72,33 +87,38 @@ fn unfold(opened: &OpenedMesh, positions: &[Point3<f64>]) -> Vec<[f64; 2]> {
         }
         let mut own = BTreeSet::new();
         let [first, ..] = mesh.face_halfedges(seed);
-        charts[mesh.tail(first).index()] = [0.0, 0.0];
-        charts[mesh.tip(first).index()] = [length(first), 0.0];
+        charts[mesh.tail(first).index()] = Point2::origin();
+        charts[mesh.tip(first).index()] = Point2::new(length(first), 0.0);
         let mut stack = vec![first];
         while let Some(h) = stack.pop() {
             let face = mesh.face(h).unwrap();
             if std::mem::replace(&mut is_done[face.index()], true) {
                 continue;
             }
-            let [a, b] = [mesh.tail(h), mesh.tip(h)].map(|v| Point2::from(charts[v.index()]));
+            let [a, b] = [mesh.tail(h), mesh.tip(h)].map(|v| charts[v.index()]);
             let apex = mesh.tip(mesh.next(h));
             let (c, r, s) = (length(h), length(mesh.prev(h)), length(mesh.next(h)));
             let x = (c * c + r * r - s * s) / (2.0 * c);
             let y = (r * r - x * x).max(0.0).sqrt();
             let along = (b - a) / c;
             let p = a + along * x + Vector2::new(-along.y, along.x) * y;
-            if charts[apex.index()][0].is_nan() {
-                charts[apex.index()] = [p.x, p.y];
+            if charts[apex.index()].x.is_nan() {
+                charts[apex.index()] = p;
             }
             // Unfolding must close up: the example is flat.
-            assert!((Point2::from(charts[apex.index()]) - p).norm() < 1e-9);
+            assert!((charts[apex.index()] - p).norm() < 1e-9);
             own.extend(mesh.face_vertices(face));
-            stack.extend(mesh.face_halfedges(face).map(HalfedgeId::twin).iter().filter(|&&g| mesh.face(g).is_some()));
+            stack.extend(
+                mesh.face_halfedges(face)
+                    .map(HalfedgeId::twin)
+                    .iter()
+                    .filter(|&&g| mesh.face(g).is_some()),
+            );
         }
-        let low = own.iter().map(|v| charts[v.index()][0]).fold(f64::INFINITY, f64::min);
-        let high = own.iter().map(|v| charts[v.index()][0]).fold(f64::NEG_INFINITY, f64::max);
+        let low = own.iter().map(|v| charts[v.index()].x).fold(f64::INFINITY, f64::min);
+        let high = own.iter().map(|v| charts[v.index()].x).fold(f64::NEG_INFINITY, f64::max);
         for v in &own {
-            charts[v.index()][0] += right - low;
+            charts[v.index()].x += right - low;
         }
         right += high - low + 0.1;
     }
@@ -108,7 +128,8 @@ fn unfold(opened: &OpenedMesh, positions: &[Point3<f64>]) -> Vec<[f64; 2]> {
 /// A cube of side 1 whose lid (z = 1) is cut off, and whose four standing edges are cut.
 fn box_with_lid() -> Example {
     let positions = (0..8).map(|i| [f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)]);
-    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
+    let quads =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
     let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
     let cuts = [[4, 5], [5, 7], [7, 6], [6, 4], [0, 4], [1, 5], [3, 7], [2, 6]];
     Example::new(positions.collect(), &Vec::from_iter(triangles), &cuts)
@@ -177,7 +198,16 @@ fn cut_square() -> Example {
         on_edge(4, 2, 0.25),
         SurfacePoint::Face(FaceId(0), [0.25, 0.5, 0.25]),
     ]);
-    cut.triangles = vec![[0, 6, 7], [6, 1, 9], [1, 2, 9], [2, 6, 9], [6, 2, 7], [7, 2, 8], [0, 7, 8], [0, 8, 4]];
+    cut.triangles = vec![
+        [0, 6, 7],
+        [6, 1, 9],
+        [1, 2, 9],
+        [2, 6, 9],
+        [6, 2, 7],
+        [7, 2, 8],
+        [0, 7, 8],
+        [0, 8, 4],
+    ];
     cut.triangle_faces = [0, 0, 0, 0, 0, 1, 1, 1].map(FaceId).to_vec();
     cut.cut_edges = vec![[6, 7], [8, 7], [6, 9]];
     Example::refined(soup, mesh, cut)
@@ -194,8 +224,16 @@ fn a_box_becomes_a_lid_and_a_cross_with_four_common_seams() {
     // Rounding of coordinates about 100.
     assert!((cross.area_mm2 - 50_000.0).abs() < 1e-6 && (lid.area_mm2 - 10_000.0).abs() < 1e-6);
     assert_eq!((cross.seams.len(), lid.seams.len()), (12, 4));
-    assert!(lid.seams.iter().all(|s| s.partner == Partner::Patch(0) && (s.length_mm - 100.0).abs() < 1e-9));
-    assert!((lid.room_mm - 50.0).abs() < 1.0 && (cross.room_mm - 70.7).abs() < 1.5, "{}", cross.room_mm);
+    assert!(
+        lid.seams
+            .iter()
+            .all(|s| s.partner == Partner::Patch(0) && (s.length_mm - 100.0).abs() < 1e-9)
+    );
+    assert!(
+        (lid.room_mm - 50.0).abs() < 1.0 && (cross.room_mm - 70.7).abs() < 1.5,
+        "{}",
+        cross.room_mm
+    );
     assert!((lid.bounds.high[0] - lid.bounds.low[0] - 100.0).abs() < 1e-9);
 }
 
@@ -211,7 +249,9 @@ fn seam_partners_are_equally_long_and_name_each_other() {
         }
         assert!(sides.keys().copied().eq(1..=sides.len()), "numbered without gaps");
         for (number, both) in sides {
-            let &[(p, s), (q, t)] = &both[..] else { panic!("seam {number} has {} sides", both.len()) };
+            let &[(p, s), (q, t)] = &both[..] else {
+                panic!("seam {number} has {} sides", both.len())
+            };
             let (piece, other) = (&pattern.pieces[p], &pattern.pieces[q]);
             let (seam, across) = (&piece.seams[s], &other.seams[t]);
             // Unfolded without distortion: equal up to rounding in the plane as well.
@@ -220,9 +260,15 @@ fn seam_partners_are_equally_long_and_name_each_other() {
             assert_eq!((seam.sides, seam.is_closed), (across.sides, across.is_closed));
             let labels = [piece.seam_label(seam), other.seam_label(across)];
             if p == q {
-                assert_eq!(labels, [format!("{number}a > {number}b"), format!("{number}b > {number}a")]);
+                assert_eq!(
+                    labels,
+                    [format!("{number}a > {number}b"), format!("{number}b > {number}a")]
+                );
             } else {
-                assert_eq!(labels, [format!("{number} > {}", other.name), format!("{number} > {}", piece.name)]);
+                assert_eq!(
+                    labels,
+                    [format!("{number} > {}", other.name), format!("{number} > {}", piece.name)]
+                );
             }
             // The same points of the surface, the other way.
             let points = |piece: usize, seam: usize| {
@@ -264,7 +310,10 @@ fn seams_end_at_rims_junctions_and_tips() {
 
 #[test]
 fn pieces_are_called_by_letters() {
-    assert_eq!([0, 1, 25, 26, 27, 51, 52, 701, 702].map(piece_name), ["A", "B", "Z", "AA", "AB", "AZ", "BA", "ZZ", "AAA"]);
+    assert_eq!(
+        [0, 1, 25, 26, 27, 51, 52, 701, 702].map(piece_name),
+        ["A", "B", "Z", "AA", "AB", "AZ", "BA", "ZZ", "AAA"]
+    );
 }
 
 #[test]
@@ -276,7 +325,9 @@ fn a_patch_without_chart_is_told_and_its_neighbours_still_name_it() {
     assert_eq!(notices, [Notice::NoChart { patch: 1 }]);
     assert_eq!(notices[0].to_string(), "piece 2 (B) is missing: it was not flattened");
     assert_eq!((pattern.pieces.len(), pattern.patch_count), (1, 2));
-    assert!(pattern.pieces[0].seams.iter().any(|s| pattern.pieces[0].seam_label(s).ends_with("> B")));
+    assert!(
+        pattern.pieces[0].seams.iter().any(|s| pattern.pieces[0].seam_label(s).ends_with("> B"))
+    );
     // Turned over, or of no extent: no piece either.
     let mut example = box_with_lid();
     example.charts.iter_mut().for_each(|p| p[0] = -p[0]);
@@ -292,7 +343,8 @@ fn an_outline_that_crosses_itself_is_told() {
     let n = 40u32;
     let positions: Vec<[f64; 3]> =
         (0..=n).flat_map(|i| [0.0, 1.0].map(|y| [f64::from(i) * 0.2, y, 0.0])).collect();
-    let triangles = (0..n).flat_map(|i| [[2 * i, 2 * i + 2, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 1]]);
+    let triangles =
+        (0..n).flat_map(|i| [[2 * i, 2 * i + 2, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 1]]);
     let mut strip = Example::new(positions, &Vec::from_iter(triangles), &[]);
     assert!(strip.pattern(10.0).1.is_empty());
     for (i, p) in strip.charts.iter_mut().enumerate() {
@@ -300,7 +352,9 @@ fn an_outline_that_crosses_itself_is_told() {
         *p = [r * angle.cos(), r * angle.sin()];
     }
     let (pattern, notices) = strip.pattern(10.0);
-    let [Notice::CrossesItself { patch: 0, crossings, .. }] = notices[..] else { panic!("{notices:?}") };
+    let [Notice::CrossesItself { patch: 0, crossings, .. }] = notices[..] else {
+        panic!("{notices:?}")
+    };
     assert!(crossings >= 2);
     let drawn = String::from_utf8(svg(&Sheet::new(pattern, &SheetParams::default()))).unwrap();
     assert!(drawn.contains("outline crosses itself"));
@@ -358,7 +412,9 @@ fn path_points(d: &str, height: f64) -> Vec<[f64; 2]> {
 
 #[test]
 fn the_drawing_has_real_size_and_one_closed_path_for_each_piece() {
-    for (example, mm_per_unit) in [(box_with_lid(), 100.0), (slit_prism(), 7.5), (cut_square(), 1234.5)] {
+    for (example, mm_per_unit) in
+        [(box_with_lid(), 100.0), (slit_prism(), 7.5), (cut_square(), 1234.5)]
+    {
         let (pattern, _) = example.pattern(mm_per_unit);
         let drawn = example.svg(mm_per_unit);
         let elements = elements(&drawn);
@@ -370,8 +426,11 @@ fn the_drawing_has_real_size_and_one_closed_path_for_each_piece() {
 
         let ids: Vec<&String> = elements.iter().filter_map(|(_, a, _)| a.get("id")).collect();
         assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len(), "unique ids");
-        let layers: Vec<&str> =
-            elements.iter().filter(|(name, ..)| name == "g").map(|(_, a, _)| a["inkscape:label"].as_str()).collect();
+        let layers: Vec<&str> = elements
+            .iter()
+            .filter(|(name, ..)| name == "g")
+            .map(|(_, a, _)| a["inkscape:label"].as_str())
+            .collect();
         assert_eq!(layers, ["CUT", "SEAMS", "LABELS", "CONTROL"]);
 
         let cuts: Vec<&BTreeMap<String, String>> = elements
@@ -393,17 +452,26 @@ fn the_drawing_has_real_size_and_one_closed_path_for_each_piece() {
             assert!(points.len() <= outline.len() && points.len() >= 3);
             let [dx, dy] = [0, 1].map(|axis| shift(axis, &points) - shift(axis, outline));
             for p in outline {
-                let is_there = points.iter().any(|q| (q[0] - p[0] - dx).abs() < 2e-4 && (q[1] - p[1] - dy).abs() < 2e-4);
+                let is_there = points
+                    .iter()
+                    .any(|q| (q[0] - p[0] - dx).abs() < 2e-4 && (q[1] - p[1] - dy).abs() < 2e-4);
                 assert!(is_there, "{p:?}");
             }
             assert!(points.iter().all(|p| (10.0 - 1e-4..=width - 10.0 + 1e-4).contains(&p[0])));
             assert!(points.iter().all(|p| (10.0 - 1e-4..=height - 10.0 + 1e-4).contains(&p[1])));
-            let numbers: BTreeSet<String> = piece.seams.iter().map(|s| s.number.to_string()).collect();
-            assert_eq!(attributes["data-seams"].split(' ').map(str::to_owned).collect::<BTreeSet<_>>(), numbers);
+            let numbers: BTreeSet<String> =
+                piece.seams.iter().map(|s| s.number.to_string()).collect();
+            assert_eq!(
+                attributes["data-seams"].split(' ').map(str::to_owned).collect::<BTreeSet<_>>(),
+                numbers
+            );
         }
-        let square = elements.iter().find(|(_, a, _)| a.get("id").is_some_and(|id| id == "control-square"));
+        let square =
+            elements.iter().find(|(_, a, _)| a.get("id").is_some_and(|id| id == "control-square"));
         let square = path_points(&square.unwrap().1["d"], height);
-        let sides = (0..4).map(|i| (square[i][0] - square[(i + 1) % 4][0]).hypot(square[i][1] - square[(i + 1) % 4][1]));
+        let sides = (0..4).map(|i| {
+            (square[i][0] - square[(i + 1) % 4][0]).hypot(square[i][1] - square[(i + 1) % 4][1])
+        });
         assert!(sides.into_iter().all(|side| (side - 50.0).abs() < 1e-9));
         // Partners as they are written down are equally long on the surface.
         let mut lengths: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
@@ -464,7 +532,8 @@ fn the_uv_mesh_has_the_charts_at_one_scale_in_the_unit_square() {
         let uv: Vec<[f64; 2]> = lines(&written, "vt").iter().map(|words| numbers(words)).collect();
         assert!(uv.iter().flatten().all(|x| (0.0..=1.0).contains(x)));
         assert!((0..2).any(|axis| uv.iter().any(|p| p[axis] == 1.0)), "as large as they can be");
-        let scale: f64 = lines(&written, "#").iter().find(|w| w[0] == "uv_scale").unwrap()[1].parse().unwrap();
+        let scale: f64 =
+            lines(&written, "#").iter().find(|w| w[0] == "uv_scale").unwrap()[1].parse().unwrap();
         // Faces in the order of the patches; every side has its true length.
         let mut faces = example.opened.mesh.faces().collect::<Vec<_>>();
         faces.sort_by_key(|f| example.opened.face_patches[f.index()]);
@@ -477,7 +546,10 @@ fn the_uv_mesh_has_the_charts_at_one_scale_in_the_unit_square() {
                 .map(|(v, t)| (v.parse().unwrap(), t.parse().unwrap()))
                 .collect();
             let triangle = example.cut.triangles[f.index()];
-            assert!(corners.iter().map(|&(v, _)| v as u32 - 1).eq(triangle), "order and orientation");
+            assert!(
+                corners.iter().map(|&(v, _)| v as u32 - 1).eq(triangle),
+                "order and orientation"
+            );
             for i in 0..3 {
                 let [p, q] = [i, (i + 1) % 3].map(|i| Point2::from(uv[corners[i].1 - 1]));
                 let [a, b] = [i, (i + 1) % 3].map(|i| example.positions[triangle[i] as usize]);
@@ -502,12 +574,22 @@ fn vertices_of_the_mesh_may_come_from_others_of_the_file() {
     let mesh = Mesh::new(4, &[[0, 2, 1], [3, 2, 0]]).unwrap();
     let cut = CutMesh::uncut(&mesh);
     let opened = cut.open().unwrap();
-    let surface =
-        CutSurface { soup: &soup, soup_vertices: &[2, 0, 3, 0], mesh: &mesh, cut: &cut, opened: &opened };
+    let surface = CutSurface {
+        soup: &soup,
+        soup_vertices: &[2, 0, 3, 0],
+        mesh: &mesh,
+        cut: &cut,
+        opened: &opened,
+    };
     let written = String::from_utf8(uv_obj(&surface, &[[f64::NAN; 2]; 4], 1.0)).unwrap();
-    assert_eq!(lines(&written, "f"), [["3", "4", "1"], ["1", "4", "3"]], "no chart, no texture coordinates");
+    assert_eq!(
+        lines(&written, "f"),
+        [["3", "4", "1"], ["1", "4", "3"]],
+        "no chart, no texture coordinates"
+    );
     assert!(lines(&written, "vt").is_empty());
-    let json: serde_json::Value = serde_json::from_slice(&cut_json(&surface, &[5, 6, 7, 6])).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_slice(&cut_json(&surface, &[5, 6, 7, 6])).unwrap();
     assert_eq!(json["vertex_labels"], serde_json::json!([6, null, 5, 7]));
 }
 
@@ -530,7 +612,10 @@ fn the_cut_curves_run_from_junction_to_junction() {
     for line in lines(&written, "l") {
         let line: Vec<usize> = line.iter().map(|word| word.parse::<usize>().unwrap() - 1).collect();
         ends.extend([line[0], line[line.len() - 1]]);
-        total += line.windows(2).map(|w| (Point3::from(places[w[0]]) - Point3::from(places[w[1]])).norm()).sum::<f64>();
+        total += line
+            .windows(2)
+            .map(|w| (Point3::from(places[w[0]]) - Point3::from(places[w[1]])).norm())
+            .sum::<f64>();
     }
     assert_eq!(ends.len(), 4, "the way through and the slit, which meet at the rim");
     let slit: f64 = (Point3::new(0.75, 0.25, 0.0) - Point3::new(0.25, 0.0, 0.0)).norm();
@@ -542,9 +627,14 @@ fn the_cut_can_be_read_back_from_its_points_and_labels() {
     let example = cut_square();
     let bytes = cut_json(&example.surface(), &[3, 1, 1, 0, 3, 0]);
     let json: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
-    assert_eq!((&json["cutflow_cut"], &json["vertices"], &json["patches"]), (&1.into(), &6.into(), &2.into()));
+    assert_eq!(
+        (&json["cutflow_cut"], &json["vertices"], &json["patches"]),
+        (&1.into(), &6.into(), &2.into())
+    );
     assert_eq!(json["vertex_labels"], serde_json::json!([3, 1, 1, null, 3, null]));
-    let file = |index: &serde_json::Value| Point3::from(example.soup.positions[index.as_u64().unwrap() as usize]);
+    let file = |index: &serde_json::Value| {
+        Point3::from(example.soup.positions[index.as_u64().unwrap() as usize])
+    };
     let places: Vec<Point3<f64>> = json["points"]
         .as_array()
         .unwrap()
@@ -557,7 +647,11 @@ fn the_cut_can_be_read_back_from_its_points_and_labels() {
                 a + (b - a) * t
             } else if let Some(face) = point.get("face") {
                 let weight = |i: usize| point["weights"][i].as_f64().unwrap();
-                Point3::from((0..3).map(|i| file(&face[i]).coords * weight(i)).sum::<nalgebra::Vector3<f64>>())
+                Point3::from(
+                    (0..3)
+                        .map(|i| file(&face[i]).coords * weight(i))
+                        .sum::<nalgebra::Vector3<f64>>(),
+                )
             } else {
                 file(&point["vertex"])
             }
@@ -584,4 +678,62 @@ fn the_cut_can_be_read_back_from_its_points_and_labels() {
         };
         assert_eq!(sides, expected);
     }
+}
+
+#[test]
+fn a_ball_cut_in_two_gives_two_round_pieces_with_one_seam() {
+    let soup = samples::icosphere(10);
+    let triangles = Vec::from_iter((0..soup.polygon_count()).map(|i| {
+        let t = soup.polygon(i);
+        [t[0], t[1], t[2]]
+    }));
+    let mesh = Mesh::new(soup.positions.len(), &triangles).unwrap();
+    let (geometry, frame) = Geometry::unit_area(&mesh, &soup.positions).unwrap();
+    let start = Initial::Plane { point: Point3::new(0.0, 0.01, 0.0), normal: Vector3::y() };
+    let flow =
+        CutFlow::new(mesh.clone(), geometry.clone(), &start, CutFlowParams::default()).unwrap();
+    let mut cut = flow.cut_mesh();
+    let positions: Vec<Point3<f64>> =
+        cut.points.iter().map(|&p| geometry.locate(&mesh, p)).collect();
+    let opened = cut_to_disks(&mut cut, &positions).unwrap().opened;
+    let refined = Geometry::new(
+        &opened.mesh,
+        opened.vertex_points.iter().map(|&p| positions[p as usize]).collect(),
+    );
+    let flattening = bff(&opened, &refined.unwrap()).unwrap();
+    let packing = flattening.pack(&opened, mesh.vertex_count(), 0.02, None);
+    let charts = flattening.place(&opened, &packing);
+    let charts: Vec<[f64; 2]> = charts.into_iter().map(Into::into).collect();
+
+    // The ball has radius 1 in its file: 50 mm.
+    let mm_per_model_unit = 50.0;
+    let (pattern, notices) =
+        Pattern::new(&opened, &charts, &positions, mm_per_model_unit / frame.scale);
+    assert!(notices.is_empty(), "{notices:?}");
+    let [a, b] = &pattern.pieces[..] else { panic!("two pieces") };
+    let [seam, across] = [a, b].map(|piece| {
+        assert_eq!(piece.seams.len(), 1);
+        &piece.seams[0]
+    });
+    assert!(seam.is_closed && across.is_closed);
+    // The seam is nearly a great circle; its two sides are equally long by construction of the charts.
+    let circle = TAU * 50.0;
+    assert!((seam.surface_length_mm / circle - 1.0).abs() < 0.03, "{}", seam.surface_length_mm);
+    assert!((seam.length_mm / across.length_mm - 1.0).abs() < 1e-6);
+    // A hemisphere flattened with its rim's length kept: a disk of radius 50 mm.
+    for piece in [a, b] {
+        let disk = TAU / 2.0 * 50.0 * 50.0;
+        assert!((piece.area_mm2 / disk - 1.0).abs() < 0.06, "{}", piece.area_mm2);
+        assert!((piece.room_mm - 50.0).abs() < 2.0, "{}", piece.room_mm);
+    }
+    let surface =
+        CutSurface { soup: &soup, soup_vertices: &[], mesh: &mesh, cut: &cut, opened: &opened };
+    let written = uv_obj(&surface, &charts, 1.0 / frame.scale);
+    let (read, _) = obj::read(&written).unwrap();
+    assert_eq!(read.positions[..soup.positions.len()], soup.positions);
+    let scale = String::from_utf8(written).unwrap();
+    let scale: f64 =
+        lines(&scale, "#").iter().find(|w| w[0] == "uv_scale").unwrap()[1].parse().unwrap();
+    let extent = pattern.bounds.high[0].max(pattern.bounds.high[1]);
+    assert!((scale * mm_per_model_unit - extent).abs() < 1e-9 * extent);
 }
