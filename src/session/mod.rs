@@ -1,4 +1,910 @@
-//! Commands in, events out.
+//! Commands in, events out: what page, command line and tests drive.
+//!
+//! A [`Session`] holds at most one [`Document`] and one running [`CutFlow`]. [`Session::handle`] is short and never steps;
+//! [`Session::advance`] steps the running flow while the driver says so. Pictures, tables and exports are made from a
+//! [`Layout`] of the current cut: a preview while the flow runs, the whole truth (every patch cut to disks) at rest.
+//!
+//! Guaranteed: after an error the document is what it was; a step that fails leaves the last cut; the same commands with the
+//! same number of steps between them give the same bytes. Not guaranteed: a chart for every patch while a flow runs.
+//!
+//! This is the only floor that serialises. It reads no clock: drivers measure time and hand in budgets.
 
+mod document;
+mod layout;
+mod message;
+mod params;
+mod picture;
+mod report;
 pub mod samples;
 pub mod scene;
+mod text;
+
+use std::rc::Rc;
+
+use crate::methods::cutflow::{Checkpoint, CutFlow, initial_labels};
+use crate::methods::flow::{Flow, Status};
+use crate::pattern::{self, CutSurface, Pattern, Sheet, SheetParams};
+
+pub use document::{Document, Refusal};
+pub use layout::Layout;
+pub use message::{
+    Choice, Command, Condition, Event, File, MeshSummary, NoticeText, ParamKind, ParamSpec, PatternSize, PieceRow,
+    Row, Term, Value,
+};
+pub use params::{Effect, Settings, specs};
+pub use report::{CutReport, FlattenReport, HistoryRow, InfoReport};
+pub use scene::Scene;
+pub use text::Problem;
+
+/// Changes that Undo can take back.
+const UNDO_DEPTH: usize = 40;
+
+/// One open mesh, its cut, and the way back.
+#[derive(Default)]
+pub struct Session {
+    work: Option<Work>,
+    is_running: bool,
+    field: String,
+    rejected: Option<Box<Scene>>,
+    undo: Vec<Snapshot>,
+    redo: Vec<Snapshot>,
+    scene_is_new: bool,
+    late: Vec<Event>,
+}
+
+/// A document, its parameters and its cut.
+struct Work {
+    document: Rc<Document>,
+    settings: Settings,
+    flow: Option<CutFlow>,
+    history: Vec<HistoryRow>,
+    residual: f64,
+    layout: Option<Layout>,
+    /// The layout at rest is of the current cut.
+    is_settled: bool,
+    start: Option<Vec<Row>>,
+    revision: u32,
+}
+
+/// What Undo goes back to.
+struct Snapshot {
+    /// The change that came after.
+    label: String,
+    /// What Undo calls a run of the same kind of changes; those are taken back together.
+    kind: String,
+    document: Rc<Document>,
+    settings: Settings,
+    checkpoint: Option<Checkpoint>,
+    history: Vec<HistoryRow>,
+}
+
+impl Session {
+    /// An empty session.
+    pub fn new() -> Self {
+        Self { field: "pieces".into(), ..Self::default() }
+    }
+
+    /// Does what a person asks for, in short time.
+    pub fn handle(&mut self, command: Command) -> Vec<Event> {
+        let mut events = std::mem::take(&mut self.late);
+        let result = match command {
+            Command::Hello => {
+                events.push(self.samples());
+                Ok(())
+            }
+            Command::OpenSample { name } => self.adopt(Document::from_sample(&name), &mut events),
+            Command::SetParameter { id, value } => self.set_parameter(&id, value, &mut events),
+            Command::Run => self.run(&mut events),
+            Command::Pause => self.pause(&mut events),
+            Command::Step => self.step(&mut events),
+            Command::Reset => self.reset(&mut events),
+            Command::ShowField { id } => {
+                if picture::fields().iter().any(|f| f.id == id) {
+                    self.field = id;
+                    self.scene_is_new = true;
+                }
+                events.push(self.fields());
+                events.push(Event::Scene);
+                Ok(())
+            }
+            Command::Undo => self.travel(true, &mut events),
+            Command::Redo => self.travel(false, &mut events),
+            Command::DismissError => {
+                self.rejected = None;
+                self.scene_is_new = self.work.is_some();
+                events.push(self.status());
+                events.push(Event::Scene);
+                Ok(())
+            }
+        };
+        if let Err(refusal) = result {
+            self.refuse(refusal, &mut events);
+        }
+        events
+    }
+
+    /// Opens a file. What was open stays open if the file cannot be used.
+    pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
+        let mut events = std::mem::take(&mut self.late);
+        if let Err(refusal) = self.adopt(Document::from_bytes(name, bytes), &mut events) {
+            self.refuse(refusal, &mut events);
+        }
+        events
+    }
+
+    /// Steps the running flow while `go_on` says so, at least once.
+    pub fn advance(&mut self, go_on: &mut dyn FnMut() -> bool) -> Vec<Event> {
+        let mut events = std::mem::take(&mut self.late);
+        while self.is_running {
+            if let Err(refusal) = self.one_step(&mut events) {
+                self.is_running = false;
+                self.refuse(refusal, &mut events);
+                break;
+            }
+            if !go_on() {
+                break;
+            }
+        }
+        if let Some(work) = &mut self.work
+            && !self.is_running
+            && !work.is_settled
+        {
+            self.settle(&mut events);
+        }
+        events.push(self.status());
+        events.push(Event::Scene);
+        events
+    }
+
+    /// Whether [`Session::advance`] has anything to do.
+    pub fn is_running(&self) -> bool {
+        self.is_running
+    }
+
+    /// The newest picture, if there is one that was not taken yet. Made here, when somebody wants to see it.
+    pub fn scene(&mut self) -> Option<Scene> {
+        if let Some(scene) = &self.rejected {
+            return std::mem::take(&mut self.scene_is_new).then(|| (**scene).clone());
+        }
+        if !std::mem::take(&mut self.scene_is_new) {
+            return None;
+        }
+        let work = self.work.as_mut()?;
+        if !work.is_settled {
+            match work.preview() {
+                Ok(()) => self.late.push(work.measures()),
+                Err(problem) => {
+                    // The flow itself goes on; the picture stays the last one.
+                    self.late.push(error_event(problem, false));
+                    return None;
+                }
+            }
+        }
+        let layout = work.layout.as_ref()?;
+        let labels = work.labels();
+        let colours = picture::patch_colours(layout, &labels);
+        let scene =
+            picture::scene(&work.document, layout, &colours, &work.u(), &self.field, work.revision);
+        work.revision += 1;
+        Some(scene)
+    }
+
+    /// The bytes of an export, by the name of its menu item.
+    pub fn export(&mut self, kind: &str) -> Result<File, Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        if !work.is_settled {
+            work.settle()?;
+        }
+        work.export(kind)
+    }
+
+    /// The open document.
+    pub fn document(&self) -> Option<&Document> {
+        self.work.as_ref().map(|work| &*work.document)
+    }
+
+    /// The report of `cutflow info`.
+    pub fn info_report(&self) -> Option<InfoReport> {
+        self.document().map(InfoReport::new)
+    }
+
+    /// The report of `cutflow cut`. **Takes** the time that the driver measured.
+    pub fn cut_report(&mut self, seconds: f64) -> Result<CutReport, Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        if !work.is_settled {
+            work.settle()?;
+        }
+        work.cut_report(seconds)
+    }
+
+    /// The layout at rest, of the current cut.
+    pub fn layout(&mut self) -> Result<&Layout, Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        if !work.is_settled {
+            work.settle()?;
+        }
+        work.layout.as_ref().ok_or_else(nothing_open)
+    }
+
+    /// Labels of the mesh's vertices now.
+    pub fn labels(&self) -> Vec<u32> {
+        self.work.as_ref().map_or_else(Vec::new, Work::labels)
+    }
+
+    /// The running flow's energies so far.
+    pub fn history(&self) -> &[HistoryRow] {
+        self.work.as_ref().map_or(&[], |work| &work.history)
+    }
+
+    fn refuse(&mut self, refusal: Refusal, events: &mut Vec<Event>) {
+        let shows = refusal.scene.is_some();
+        if shows {
+            self.rejected = refusal.scene;
+            self.scene_is_new = true;
+        }
+        let text = format!("Error: {}", refusal.problem.what);
+        events.push(error_event(refusal.problem, shows));
+        let step = self.work.as_ref().map_or(0, Work::step);
+        events.push(Event::Status { state: "error".into(), step, text });
+        if shows {
+            events.push(Event::Scene);
+        }
+    }
+
+    /// Takes a new document in, if it could be made.
+    fn adopt(
+        &mut self,
+        document: Result<Document, Refusal>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Refusal> {
+        let document = Rc::new(document?);
+        let settings = Settings::for_sample(document.sample.as_deref());
+        let label = format!("open {}", document.name);
+        self.remember(&label, &label);
+        self.install(document, settings, None, Vec::new(), events)
+    }
+
+    /// Makes a document, its parameters and a place in its run the current ones.
+    fn install(
+        &mut self,
+        document: Rc<Document>,
+        settings: Settings,
+        checkpoint: Option<&Checkpoint>,
+        history: Vec<HistoryRow>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Refusal> {
+        self.is_running = false;
+        self.rejected = None;
+        let is_other =
+            self.work.as_ref().is_none_or(|old| !Rc::ptr_eq(&old.document, &document));
+        let mut work = Work {
+            document,
+            settings,
+            flow: None,
+            history,
+            residual: 0.0,
+            layout: None,
+            is_settled: false,
+            start: None,
+            revision: 0,
+        };
+        if !is_other && let Some(old) = &mut self.work {
+            work.revision = old.revision.max(1);
+            work.layout = old.layout.take();
+            work.start = old.start.take();
+        }
+        let restarted = work.restart(checkpoint);
+        self.work = Some(work);
+        if is_other {
+            if let Some(work) = &self.work {
+                events.push(Event::Mesh(work.document.summary.clone()));
+            }
+            events.push(self.samples());
+            events.push(self.fields());
+        }
+        events.push(self.parameters());
+        self.push_energy(events);
+        self.settle(events);
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        restarted.map_err(Refusal::from)
+    }
+
+    /// Keeps what is there now under the name of the change that comes.
+    fn remember(&mut self, label: &str, kind: &str) {
+        let Some(work) = &self.work else { return };
+        self.redo.clear();
+        // Moving one slider is one change.
+        if self.undo.last().is_some_and(|last| last.kind == kind && kind.starts_with("set ")) {
+            return;
+        }
+        self.undo.push(work.snapshot(label, kind));
+        if self.undo.len() > UNDO_DEPTH {
+            self.undo.remove(0);
+        }
+    }
+
+    /// Undo or redo.
+    fn travel(&mut self, back: bool, events: &mut Vec<Event>) -> Result<(), Refusal> {
+        let (from, to) =
+            if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
+        let Some(target) = from.pop() else { return Ok(()) };
+        if let Some(work) = &self.work {
+            to.push(work.snapshot(&target.label, &target.kind));
+        }
+        self.install(
+            target.document,
+            target.settings,
+            target.checkpoint.as_ref(),
+            target.history,
+            events,
+        )
+    }
+
+    fn set_parameter(
+        &mut self,
+        id: &str,
+        value: Value,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Refusal> {
+        let Some(work) = &self.work else { return Err(nothing_open().into()) };
+        let mut settings = work.settings.clone();
+        let Some(effect) = settings.set(id, value)? else {
+            events.push(self.parameters());
+            return Ok(());
+        };
+        // Try before anything changes.
+        if effect == Effect::NextStep {
+            let trial = settings.flow_params();
+            trial.validate().map_err(|e| Problem::solve(&work.document.name, &e))?;
+        }
+        if effect == Effect::Restart {
+            check_start(&work.document, &settings)?;
+        }
+        let label = specs().into_iter().find(|s| s.id == id).map_or_else(
+            || format!("change {id}"),
+            |spec| format!("change {}", spec.label.to_lowercase()),
+        );
+        self.remember(&label, &format!("set {id}"));
+        let Some(work) = &mut self.work else { return Ok(()) };
+        work.settings = settings;
+        match effect {
+            Effect::Restart => {
+                let was_running = self.is_running;
+                work.restart(None)?;
+                self.push_energy(events);
+                self.settle(events);
+                self.is_running = was_running;
+                events.push(Event::Scene);
+            }
+            Effect::NextStep => {
+                let params = work.settings.flow_params();
+                let name = work.document.name.clone();
+                if let Some(flow) = &mut work.flow {
+                    flow.set_params(params).map_err(|e| Problem::solve(&name, &e))?;
+                }
+                events.push(work.measures());
+            }
+            Effect::Export => events.push(work.measures()),
+        }
+        events.push(self.parameters());
+        events.push(self.history_event());
+        events.push(self.status());
+        Ok(())
+    }
+
+    fn run(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+        self.need_flow()?;
+        if !self.is_running {
+            let step = self.work.as_ref().map_or(0, Work::step);
+            self.remember(&format!("run from step {step}"), "run");
+        }
+        self.is_running = true;
+        events.push(self.history_event());
+        events.push(self.status());
+        Ok(())
+    }
+
+    fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+        self.is_running = false;
+        if self.work.as_ref().is_some_and(|work| !work.is_settled) {
+            self.settle(events);
+        }
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    fn step(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+        self.need_flow()?;
+        self.is_running = false;
+        let step = self.work.as_ref().map_or(0, Work::step);
+        self.remember(&format!("step {}", step + 1), "step");
+        self.one_step(events)?;
+        self.is_running = false;
+        self.settle(events);
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    fn reset(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+        self.is_running = false;
+        if self.work.is_none() {
+            return Err(nothing_open().into());
+        }
+        self.remember("reset", "reset");
+        let Some(work) = &mut self.work else { return Ok(()) };
+        work.restart(None)?;
+        self.push_energy(events);
+        self.settle(events);
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    /// Explains why there is nothing to run.
+    fn need_flow(&self) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        if work.flow.is_some() {
+            return Ok(());
+        }
+        check_start(&work.document, &work.settings)?;
+        Err(Problem::new(
+            "There is no cut to improve.",
+            format!("{}, initial cut.", work.document.name),
+            "Choose another initial cut.",
+        ))
+    }
+
+    fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+        let Some(work) = &mut self.work else { return Ok(()) };
+        let limit = work.settings.number("steps");
+        let Some(flow) = &mut work.flow else {
+            self.is_running = false;
+            return Ok(());
+        };
+        let before = flow.steps();
+        let report =
+            flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
+        work.residual = report.residual;
+        if report.step > before {
+            let energy = flow.state().energy();
+            let weight = flow.params().weights.length;
+            work.history.push(HistoryRow::new(report.step, &energy, weight));
+            work.is_settled = false;
+            self.scene_is_new = true;
+            events.push(energy_event(&report));
+        }
+        if report.status != Status::Running || report.step as f64 >= limit {
+            self.is_running = false;
+        }
+        Ok(())
+    }
+
+    /// Flattens the current cut whole.
+    fn settle(&mut self, events: &mut Vec<Event>) {
+        let Some(work) = &mut self.work else { return };
+        match work.settle() {
+            Ok(()) => {
+                events.push(work.measures());
+                self.scene_is_new = true;
+            }
+            Err(problem) => self.refuse(problem.into(), events),
+        }
+    }
+
+    /// The curve from the start.
+    fn push_energy(&self, events: &mut Vec<Event>) {
+        let Some(work) = &self.work else { return };
+        let weights = work.settings.flow_params().weights;
+        for row in &work.history {
+            let length = weights.length * row.length;
+            let mut terms = vec![Term { name: "Length α|γ|".into(), value: length }];
+            terms.push(Term { name: distortion_name(&weights).into(), value: row.total - length });
+            events.push(Event::Energy { step: row.step, total: row.total, terms });
+        }
+    }
+
+    fn samples(&self) -> Event {
+        Event::Samples {
+            options: samples::SAMPLES.iter().map(|s| Choice::new(s.name, s.label)).collect(),
+            current: self.document().and_then(|d| d.sample.clone()),
+        }
+    }
+
+    fn fields(&self) -> Event {
+        Event::Fields { current: self.field.clone(), options: picture::fields() }
+    }
+
+    fn parameters(&self) -> Event {
+        let values = self.work.as_ref().map(|w| w.settings.values()).unwrap_or_default();
+        Event::Parameters { method: "cutflow".into(), specs: specs(), values }
+    }
+
+    fn history_event(&self) -> Event {
+        let label = |list: &[Snapshot]| list.last().map(|s| s.label.clone());
+        Event::History { undo: label(&self.undo), redo: label(&self.redo) }
+    }
+
+    fn status(&self) -> Event {
+        let Some(work) = &self.work else {
+            let text = "Ready: open a mesh or choose a sample".into();
+            return Event::Status { state: "ready".into(), step: 0, text };
+        };
+        let step = work.step();
+        let limit = work.settings.number("steps");
+        let (state, text) = if self.is_running {
+            ("running", format!("Running step {step}"))
+        } else {
+            match work.flow.as_ref().map(CutFlow::status) {
+                None => ("ready", "Ready: choose another initial cut".to_owned()),
+                Some(Status::Converged) => {
+                    ("converged", format!("Converged after {} steps", step))
+                }
+                Some(Status::Stalled) => (
+                    "stalled",
+                    format!("Paused at step {step}: no step found that lowers the energy"),
+                ),
+                Some(_) if step as f64 >= limit => {
+                    ("step_limit", format!("Paused at step {step}: step limit reached"))
+                }
+                Some(_) if step == 0 => ("ready", "Ready".to_owned()),
+                Some(_) => ("paused", format!("Paused at step {step}")),
+            }
+        };
+        Event::Status { state: state.into(), step, text }
+    }
+}
+
+impl Work {
+    fn step(&self) -> usize {
+        self.flow.as_ref().map_or(0, CutFlow::steps)
+    }
+
+    fn labels(&self) -> Vec<u32> {
+        match &self.flow {
+            Some(flow) => flow.state().labels().to_vec(),
+            None => vec![0; self.document.mesh.vertex_count()],
+        }
+    }
+
+    fn u(&self) -> Vec<f64> {
+        match &self.flow {
+            Some(flow) => flow.state().u().to_vec(),
+            None => vec![0.0; self.document.mesh.vertex_count()],
+        }
+    }
+
+    fn snapshot(&self, label: &str, kind: &str) -> Snapshot {
+        Snapshot {
+            label: label.to_owned(),
+            kind: kind.to_owned(),
+            document: self.document.clone(),
+            settings: self.settings.clone(),
+            checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
+            history: self.history.clone(),
+        }
+    }
+
+    /// A new flow from the initial cut, or from a checkpoint. Without a usable initial cut there is no flow, and the
+    /// surface is shown whole.
+    fn restart(&mut self, checkpoint: Option<&Checkpoint>) -> Result<(), Problem> {
+        let document = self.document.clone();
+        let name = &document.name;
+        self.is_settled = false;
+        self.flow = None;
+        if checkpoint.is_none() {
+            self.start = None;
+            self.history.clear();
+        }
+        let initial = self.settings.initial(&document.mesh, &document.geometry, |v| {
+            document.mesh_vertex(v)
+        })?;
+        let mut flow = CutFlow::new(
+            document.mesh.clone(),
+            document.geometry.clone(),
+            &initial,
+            self.settings.flow_params(),
+        )
+        .map_err(|error| Problem::solve(name, &error))?;
+        let weight = flow.params().weights.length;
+        match checkpoint {
+            Some(checkpoint) => {
+                flow.restore(checkpoint).map_err(|error| Problem::solve(name, &error))?;
+            }
+            None => self.history.push(HistoryRow::new(0, &flow.state().energy(), weight)),
+        }
+        self.flow = Some(flow);
+        Ok(())
+    }
+
+    /// The layout of a running flow: with the flow's own factor where all patches are disks, whole otherwise.
+    fn preview(&mut self) -> Result<(), Problem> {
+        let Some(flow) = &mut self.flow else { return self.settle() };
+        let last = self.layout.take();
+        let packing = last.as_ref().map(|l| &l.packing);
+        let layout = Layout::preview(&self.document, flow.cut_mesh(), flow.factor(), packing)
+            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        if layout.is_complete() {
+            self.layout = Some(layout);
+            return Ok(());
+        }
+        let layout = Layout::full(&self.document, flow.cut_mesh(), packing)
+            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        self.layout = Some(layout);
+        Ok(())
+    }
+
+    fn settle(&mut self) -> Result<(), Problem> {
+        let cut = match &self.flow {
+            Some(flow) => flow.cut_mesh(),
+            None => crate::mesh::CutMesh::uncut(&self.document.mesh),
+        };
+        let last = self.layout.take();
+        let layout = Layout::full(&self.document, cut, last.as_ref().map(|l| &l.packing))
+            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        self.layout = Some(layout);
+        self.is_settled = true;
+        if self.start.is_none() {
+            self.start = Some(self.rows());
+        }
+        Ok(())
+    }
+
+    /// Millimetres per √area.
+    fn mm_per_unit(&self) -> f64 {
+        self.settings.number("size") / self.document.largest_side().max(1e-300)
+    }
+
+    /// The rows of the table of measures, without their starts.
+    fn rows(&self) -> Vec<Row> {
+        let Some(layout) = &self.layout else { return Vec::new() };
+        let row = |id: &str, label: &str, unit: &str, now: f64| Row {
+            id: id.into(),
+            label: label.into(),
+            unit: unit.into(),
+            now: now.is_finite().then_some(now),
+            start: None,
+        };
+        let totals = &layout.measures.totals;
+        let mut rows = vec![
+            row("pieces", "Pieces", "", layout.opened.patch_count as f64),
+            row("cut_length", "Cut length", "√A", layout.cut_length()),
+            row("area_distortion", "Area distortion", "", totals.area_distortion),
+            row("angle_distortion", "Angle distortion", "", totals.angle_distortion),
+            row("flipped", "Flipped triangles", "", totals.flipped as f64),
+            row("overlaps", "Overlaps", "", layout.overlaps() as f64),
+        ];
+        if let Some(flow) = &self.flow {
+            let energy = flow.state().energy();
+            rows.push(row("dirichlet", "Dirichlet ∫|∇u|²", "", energy.dirichlet));
+            rows.push(row("hencky", "Hencky ∫u²", "", energy.hencky));
+        }
+        if layout.disk_cut_length > 0.0 {
+            rows.push(row("disk_cuts", "Added for disks", "√A", layout.disk_cut_length));
+        }
+        rows
+    }
+
+    fn measures(&self) -> Event {
+        let mut rows = self.rows();
+        for row in &mut rows {
+            let start = self.start.iter().flatten().find(|s| s.id == row.id);
+            row.start = start.and_then(|s| s.now);
+        }
+        let Some(layout) = &self.layout else {
+            return Event::Measures { rows, pieces: Vec::new(), pattern: None };
+        };
+        let colours = picture::patch_colours(layout, &self.labels());
+        let areas = layout.patch_areas();
+        let seams = layout.seam_lengths();
+        let total: f64 = areas.iter().sum();
+        let pieces = (0..layout.opened.patch_count)
+            .map(|patch| {
+                let measures = layout.measures.charts[patch].as_ref();
+                let flipped = measures.map_or(0, |m| m.flipped);
+                let overlaps = measures.map_or(0, |m| m.overlaps);
+                let note = match (&layout.flattening.charts[patch], flipped, overlaps) {
+                    (Err(reason), ..) => format!("Not flattened: {reason}."),
+                    (Ok(_), 0, 0) => String::new(),
+                    (Ok(_), 0, n) => format!("The outline crosses itself {n} times."),
+                    (Ok(_), n, _) => format!("{n} of its triangles are turned over."),
+                };
+                PieceRow {
+                    patch,
+                    color: colours[patch],
+                    area_fraction: areas[patch] / total,
+                    seam_length: seams[patch],
+                    rms_u: measures.map(|m| (m.hencky / m.area).sqrt()),
+                    flipped,
+                    overlaps,
+                    has_chart: measures.is_some(),
+                    note,
+                }
+            })
+            .collect();
+        let mm = self.mm_per_unit();
+        let sheet = layout.packing.sheet;
+        let pattern = (sheet.x > 0.0).then(|| PatternSize {
+            width: sheet.x * mm,
+            height: sheet.y * mm,
+            unit: "mm".into(),
+            filled: total / (sheet.x * sheet.y),
+            // Scenes have radius 1.
+            unit_length: self.document.radius() * mm,
+        });
+        Event::Measures { rows, pieces, pattern }
+    }
+
+    fn cut_report(&self, seconds: f64) -> Result<CutReport, Problem> {
+        let (Some(layout), Some(flow)) = (&self.layout, &self.flow) else {
+            return Err(Problem::new(
+                "There is no cut to report on.",
+                format!("{}, initial cut.", self.document.name),
+                "Choose another initial cut.",
+            ));
+        };
+        let energy = flow.state().energy();
+        let mut labels = self.labels();
+        labels.sort_unstable();
+        labels.dedup();
+        let steps = flow.steps();
+        Ok(CutReport {
+            vertices: self.document.summary.vertices,
+            faces: self.document.summary.faces,
+            regions: labels.len(),
+            steps,
+            status: match flow.status() {
+                Status::Converged => "converged",
+                Status::Stalled => "stalled",
+                Status::Infeasible => "infeasible",
+                Status::StepLimit => "step_limit",
+                Status::Running if steps as f64 >= self.settings.number("steps") => "step_limit",
+                Status::Running => "running",
+            },
+            history: self.history.clone(),
+            cut_length: energy.length,
+            disk_cut_length: layout.disk_cut_length,
+            hencky: energy.hencky,
+            dirichlet: energy.dirichlet,
+            residual: self.residual,
+            patches: report::patch_reports(layout),
+            flattening: FlattenReport::new(layout, 0.0),
+            seconds,
+            seconds_per_step: (steps > 0).then(|| seconds / steps as f64),
+        })
+    }
+
+    fn export(&self, kind: &str) -> Result<File, Problem> {
+        let Some(layout) = &self.layout else { return Err(nothing_open()) };
+        let document = &*self.document;
+        let surface = CutSurface {
+            soup: &document.soup,
+            soup_vertices: &document.soup_vertices,
+            mesh: &document.mesh,
+            cut: &layout.cut,
+            opened: &layout.opened,
+        };
+        let stem = stem(&document.name);
+        let file = |suffix: &str, mime, bytes| File { name: format!("{stem}-{suffix}"), mime, bytes };
+        match kind {
+            "UV mesh (OBJ)" => {
+                let bytes = pattern::uv_obj(&surface, &layout.charts, 1.0 / document.frame.scale);
+                Ok(file("uv.obj", "model/obj", bytes))
+            }
+            "Cut curves (OBJ)" => Ok(file("cut.obj", "model/obj", pattern::cut_obj(&surface))),
+            "Cut (JSON)" => {
+                let bytes = pattern::cut_json(&surface, &self.labels());
+                Ok(file("cut.json", "application/json", bytes))
+            }
+            "Pattern (SVG)" => {
+                let mm = self.mm_per_unit();
+                let (pieces, _) =
+                    Pattern::new(&layout.opened, &layout.charts, &layout.points, mm);
+                let params = SheetParams {
+                    title: document.name.clone(),
+                    mm_per_model_unit: Some(mm * document.frame.scale),
+                    ..SheetParams::default()
+                };
+                let bytes = pattern::svg(&Sheet::new(pieces, &params));
+                Ok(file("pattern.svg", "image/svg+xml", bytes))
+            }
+            "Report (JSON)" => {
+                #[derive(serde::Serialize)]
+                struct Whole {
+                    info: InfoReport,
+                    cut: CutReport,
+                }
+                let whole =
+                    Whole { info: InfoReport::new(document), cut: self.cut_report(0.0)? };
+                let bytes = serde_json::to_vec_pretty(&whole).map_err(|error| {
+                    Problem::new(
+                        format!("The report could not be written: {error}."),
+                        format!("{}.", document.name),
+                        "Reset the run and try again.",
+                    )
+                })?;
+                Ok(file("report.json", "application/json", bytes))
+            }
+            _ => Err(Problem::new(
+                format!("There is no export called “{kind}”."),
+                "In the choice of an export.",
+                "Choose UV mesh (OBJ), Cut curves (OBJ), Cut (JSON), Pattern (SVG) or Report (JSON).",
+            )),
+        }
+    }
+}
+
+/// Whether the parameters give a usable initial cut.
+fn check_start(document: &Document, settings: &Settings) -> Result<(), Problem> {
+    let initial =
+        settings.initial(&document.mesh, &document.geometry, |v| document.mesh_vertex(v))?;
+    let start = initial_labels(&document.mesh, &document.geometry, &initial)
+        .map_err(|error| Problem::solve(&document.name, &error))?;
+    let is_cut = document.mesh.edges().any(|e| {
+        let [a, b] = document.mesh.edge_vertices(e).map(|v| start.labels[v.index()]);
+        a != b
+    });
+    if is_cut || !document.mesh.boundary_loops().is_empty() {
+        return Ok(());
+    }
+    let vertices = document.mesh.vertex_count();
+    let error = crate::methods::flow::SolveError::EmptyCut { vertices };
+    Err(Problem::solve(&document.name, &error))
+}
+
+/// What the plot calls the distortion.
+fn distortion_name(weights: &crate::methods::cutflow::Weights) -> &'static str {
+    match (weights.dirichlet > 0.0, weights.hencky > 0.0) {
+        (true, false) => "Dirichlet",
+        (false, true) => "Hencky",
+        _ => "Distortion",
+    }
+}
+
+fn energy_event(report: &crate::methods::flow::StepReport) -> Event {
+    let term = |id: &str| report.energy.iter().find(|(name, _)| *name == id).map_or(0.0, |t| t.1);
+    let (total, length) = (term("total"), term("length"));
+    let name = match (term("dirichlet") > 0.0, term("hencky") > 0.0) {
+        (true, false) => "Dirichlet",
+        (false, true) => "Hencky",
+        _ => "Distortion",
+    };
+    Event::Energy {
+        step: report.step,
+        total,
+        terms: vec![
+            Term { name: "Length α|γ|".into(), value: length },
+            Term { name: name.into(), value: total - length },
+        ],
+    }
+}
+
+fn error_event(problem: Problem, shows_rejected_mesh: bool) -> Event {
+    Event::Error {
+        what: problem.what,
+        place: problem.place,
+        what_to_do: problem.what_to_do,
+        shows_rejected_mesh,
+    }
+}
+
+fn nothing_open() -> Problem {
+    Problem::new("No mesh is open.", "In the document.", "Open a mesh or choose a sample first.")
+}
+
+/// A file name without its ending, safe to offer for saving.
+fn stem(name: &str) -> String {
+    let base = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
+    let clean: String = stem
+        .chars()
+        .map(|c| if c.is_alphanumeric() || "-_ ".contains(c) { c } else { '_' })
+        .collect();
+    let clean = clean.trim().replace(' ', "-");
+    if clean.is_empty() { "cutflow".into() } else { clean }
+}

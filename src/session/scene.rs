@@ -82,6 +82,11 @@ pub struct FieldScene {
     pub histogram: Vec<f32>,
 }
 
+impl PatchScene {
+    /// Colour of something that is no patch: beyond the palette, drawn in grey.
+    pub const NEUTRAL: u8 = u8::MAX;
+}
+
 impl Scene {
     /// Number of scene vertices.
     pub fn vertex_count(&self) -> usize {

@@ -1,0 +1,179 @@
+//! The cut surface opened, flattened, measured and laid out: what pictures, tables and exports are made of.
+
+use nalgebra::Point3;
+
+use super::document::Document;
+use crate::flatten::{Flattening, Measures, Packing, bff, bff_with, measure, measures};
+use crate::geometry::Geometry;
+use crate::linalg::Factor;
+use crate::mesh::{CutMesh, HalfedgeId, Mesh, OpenedMesh};
+use crate::methods::cutgraph::cut_to_disks;
+use crate::methods::flow::SolveError;
+
+/// Free space between charts, √area = 1.
+const GAP: f64 = 0.02;
+
+/// Everything flat about one cut.
+pub struct Layout {
+    /// The mesh refined along the cut, added disk cuts included.
+    pub cut: CutMesh,
+    /// Where its points lie, unit area.
+    pub points: Vec<Point3<f64>>,
+    /// Opened.
+    pub opened: OpenedMesh,
+    /// Measured.
+    pub geometry: Geometry,
+    /// Charts.
+    pub flattening: Flattening,
+    /// What they are worth.
+    pub measures: Measures,
+    /// Where they lie.
+    pub packing: Packing,
+    /// Every opened vertex on the sheet, √area = 1; NaN without chart.
+    pub charts: Vec<[f64; 2]>,
+    /// Crossings between different charts on the sheet.
+    pub overlaps_across: usize,
+    /// Length of the cuts added to make disks.
+    pub disk_cut_length: f64,
+    /// Patch of every opened vertex.
+    pub vertex_patches: Vec<u32>,
+}
+
+impl Layout {
+    /// Flattens a cut, after cutting its patches to disks.
+    pub fn full(
+        document: &Document,
+        mut cut: CutMesh,
+        previous: Option<&Packing>,
+    ) -> Result<Self, SolveError> {
+        let points = place(document, &cut);
+        let disks = cut_to_disks(&mut cut, &points)?;
+        let geometry = measure_opened(&disks.opened, &points);
+        let flattening = bff(&disks.opened, &geometry)?;
+        Ok(Self::new(document, cut, points, disks.opened, geometry, flattening, disks.length, previous))
+    }
+
+    /// Flattens the disks of a running flow with the factor that it has; other patches wait for their charts.
+    pub fn preview(
+        document: &Document,
+        cut: CutMesh,
+        factor: &mut Factor,
+        previous: Option<&Packing>,
+    ) -> Result<Self, SolveError> {
+        let points = place(document, &cut);
+        let opened = cut.open()?;
+        let geometry = measure_opened(&opened, &points);
+        let flattening = bff_with(&opened, &geometry, factor)?;
+        Ok(Self::new(document, cut, points, opened, geometry, flattening, 0.0, previous))
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the two ways of making one")]
+    fn new(
+        document: &Document,
+        cut: CutMesh,
+        points: Vec<Point3<f64>>,
+        opened: OpenedMesh,
+        geometry: Geometry,
+        flattening: Flattening,
+        disk_cut_length: f64,
+        previous: Option<&Packing>,
+    ) -> Self {
+        let measures = measure(&opened, &geometry, &flattening);
+        let packing = flattening.pack(&opened, document.mesh.vertex_count(), GAP, previous);
+        let overlaps_across = measures::overlaps_across(&opened, &flattening, &packing);
+        let charts = flattening.place(&opened, &packing).iter().map(|p| [p.x, p.y]).collect();
+        let vertex_patches = opened.vertex_patches();
+        Self {
+            cut,
+            points,
+            opened,
+            geometry,
+            flattening,
+            measures,
+            packing,
+            charts,
+            overlaps_across,
+            disk_cut_length,
+            vertex_patches,
+        }
+    }
+
+    /// Whether every patch has a chart.
+    pub fn is_complete(&self) -> bool {
+        self.flattening.charts.iter().all(Result::is_ok)
+    }
+
+    /// Crossings of outlines: with themselves and with each other.
+    pub fn overlaps(&self) -> usize {
+        self.measures.totals.overlaps + self.overlaps_across
+    }
+
+    /// Length of all cuts, each counted once.
+    pub fn cut_length(&self) -> f64 {
+        self.cut
+            .cut_edges
+            .iter()
+            .map(|e| {
+                let [a, b] = e.map(|p| self.points[p as usize]);
+                (b - a).norm()
+            })
+            .sum()
+    }
+
+    /// Area of each patch.
+    pub fn patch_areas(&self) -> Vec<f64> {
+        let mut areas = vec![0.0; self.opened.patch_count];
+        for (face, &patch) in self.opened.face_patches.iter().enumerate() {
+            areas[patch as usize] += self.geometry.face_areas[face];
+        }
+        areas
+    }
+
+    /// Length of the cuts around each patch; a cut inside a patch counts with both sides.
+    pub fn seam_lengths(&self) -> Vec<f64> {
+        let mut lengths = vec![0.0; self.opened.patch_count];
+        for (h, patch) in rim_halfedges(&self.opened) {
+            if self.opened.partner(h).is_some() {
+                lengths[patch as usize] += self.geometry.edge_length(h.edge());
+            }
+        }
+        lengths
+    }
+
+    /// For each patch the patches across its seams.
+    pub fn neighbours(&self) -> Vec<Vec<u32>> {
+        let mut neighbours = vec![Vec::new(); self.opened.patch_count];
+        for (h, patch) in rim_halfedges(&self.opened) {
+            let across = self.opened.partner(h).and_then(|p| self.opened.mesh.face(p));
+            if let Some(f) = across {
+                neighbours[patch as usize].push(self.opened.face_patches[f.index()]);
+            }
+        }
+        for (patch, list) in neighbours.iter_mut().enumerate() {
+            list.sort_unstable();
+            list.dedup();
+            list.retain(|&n| n as usize != patch);
+        }
+        neighbours
+    }
+}
+
+/// The rim halfedges inside faces with their patches, in the order of the faces.
+pub fn rim_halfedges(opened: &OpenedMesh) -> impl Iterator<Item = (HalfedgeId, u32)> + '_ {
+    let mesh: &Mesh = &opened.mesh;
+    mesh.faces().flat_map(move |f| {
+        mesh.face_halfedges(f)
+            .into_iter()
+            .filter(|h| mesh.is_boundary_edge(h.edge()))
+            .map(move |h| (h, opened.face_patches[f.index()]))
+    })
+}
+
+fn place(document: &Document, cut: &CutMesh) -> Vec<Point3<f64>> {
+    cut.points.iter().map(|&p| document.geometry.locate(&document.mesh, p)).collect()
+}
+
+fn measure_opened(opened: &OpenedMesh, points: &[Point3<f64>]) -> Geometry {
+    let positions = opened.vertex_points.iter().map(|&p| points[p as usize]).collect();
+    Geometry::measure(&opened.mesh, positions)
+}

@@ -1,0 +1,321 @@
+//! What goes into a session and what comes out of it: plain values that serialise.
+
+use serde::{Deserialize, Serialize};
+
+/// What a person can ask for. Meshes come with their bytes through [`super::Session::open`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Command {
+    /// Says what there is: samples, history.
+    Hello,
+    /// Opens one of the generated surfaces.
+    OpenSample {
+        /// Its identifier.
+        name: String,
+    },
+    /// Changes a parameter of the method.
+    SetParameter {
+        /// Its identifier.
+        id: String,
+        /// Number, text or truth value, as its kind asks.
+        value: Value,
+    },
+    /// Steps until the flow ends or is paused.
+    Run,
+    /// Stops stepping.
+    Pause,
+    /// One step, then a pause.
+    Step,
+    /// Back to the initial cut.
+    Reset,
+    /// Chooses the field that is painted on the surface; `pieces` for none.
+    ShowField {
+        /// Its identifier.
+        id: String,
+    },
+    /// Takes the last change back.
+    Undo,
+    /// Makes it again.
+    Redo,
+    /// Shows the document again in place of a refused mesh.
+    DismissError,
+}
+
+/// The value of a parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// Of a switch.
+    Truth(bool),
+    /// Of a number.
+    Number(f64),
+    /// Of a choice: the option's identifier.
+    Text(String),
+}
+
+/// What a session tells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Event {
+    /// The samples that can be opened.
+    Samples {
+        /// All of them.
+        options: Vec<Choice>,
+        /// The open one.
+        current: Option<String>,
+    },
+    /// A mesh was opened.
+    Mesh(MeshSummary),
+    /// The parameters and their values.
+    Parameters {
+        /// Identifier of the method.
+        method: String,
+        /// All parameters, in the order of the panel.
+        specs: Vec<ParamSpec>,
+        /// Value of each, by identifier.
+        values: std::collections::BTreeMap<String, Value>,
+    },
+    /// The status line.
+    Status {
+        /// One of `ready running paused converged stalled step_limit error`.
+        state: String,
+        /// Accepted steps.
+        step: usize,
+        /// What the line says.
+        text: String,
+    },
+    /// The objective after a step; step 0 starts a new curve.
+    Energy {
+        /// Accepted steps.
+        step: usize,
+        /// J.
+        total: f64,
+        /// Its weighted terms.
+        terms: Vec<Term>,
+    },
+    /// Numbers of the current cut and its flattening.
+    Measures {
+        /// The table.
+        rows: Vec<Row>,
+        /// One for each piece.
+        pieces: Vec<PieceRow>,
+        /// Size of the layout at its real size.
+        pattern: Option<PatternSize>,
+    },
+    /// The fields that can be painted.
+    Fields {
+        /// The one that is.
+        current: String,
+        /// All of them, `pieces` first.
+        options: Vec<Choice>,
+    },
+    /// What Undo and Redo would do.
+    History {
+        /// The change that Undo would take back.
+        undo: Option<String>,
+        /// The change that Redo would make again.
+        redo: Option<String>,
+    },
+    /// Something could not be done; the document is as it was.
+    Error {
+        /// What is wrong.
+        what: String,
+        /// Where.
+        #[serde(rename = "where")]
+        place: String,
+        /// What to do about it.
+        what_to_do: String,
+        /// Whether the next scene shows the refused mesh with the places marked.
+        shows_rejected_mesh: bool,
+    },
+    /// A new scene is there.
+    Scene,
+}
+
+/// Something to choose.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Choice {
+    /// Stable identifier.
+    #[serde(rename(serialize = "id"))]
+    pub id: String,
+    /// The same identifier, under the name that the list of samples uses.
+    pub name: String,
+    /// What a person reads.
+    pub label: String,
+}
+
+impl Choice {
+    /// An option.
+    pub fn new(id: &str, label: &str) -> Self {
+        Self { id: id.into(), name: id.into(), label: label.into() }
+    }
+}
+
+/// Facts of an opened mesh.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeshSummary {
+    /// File or sample.
+    pub name: String,
+    /// Vertices of the file.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Connected components.
+    pub components: usize,
+    /// Boundary loops.
+    pub boundary_loops: usize,
+    /// Sum of the components' genera.
+    pub genus: usize,
+    /// V − E + F.
+    pub euler: i64,
+    /// In the file's unit squared.
+    pub area: f64,
+    /// Vertices that no face uses.
+    pub isolated_vertices: usize,
+    /// What was found and passed over.
+    pub notices: Vec<NoticeText>,
+}
+
+/// Something found in a mesh.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NoticeText {
+    /// Stable identifier.
+    pub kind: String,
+    /// How often.
+    pub count: usize,
+    /// A sentence.
+    pub text: String,
+}
+
+/// A term of the objective.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Term {
+    /// What the plot calls it.
+    pub name: String,
+    /// Its weighted value.
+    pub value: f64,
+}
+
+/// A row of the table of measures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Stable identifier.
+    pub id: String,
+    /// Row header.
+    pub label: String,
+    /// Unit, or empty.
+    pub unit: String,
+    /// Now.
+    pub now: Option<f64>,
+    /// At the initial cut.
+    pub start: Option<f64>,
+}
+
+/// A piece in numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PieceRow {
+    /// Index of the patch.
+    pub patch: usize,
+    /// Index into the palette.
+    pub color: u8,
+    /// Fraction of the area.
+    pub area_fraction: f64,
+    /// Length of its seams, √area = 1.
+    pub seam_length: f64,
+    /// Root mean square of the log scale factor that its chart really has.
+    pub rms_u: Option<f64>,
+    /// Turned-over triangles.
+    pub flipped: usize,
+    /// Crossings of its outline with itself.
+    pub overlaps: usize,
+    /// Whether it has a chart.
+    pub has_chart: bool,
+    /// What a person should know, or empty.
+    pub note: String,
+}
+
+/// Size of the layout.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PatternSize {
+    /// In `unit`.
+    pub width: f64,
+    /// In `unit`.
+    pub height: f64,
+    /// `mm`.
+    pub unit: String,
+    /// Fraction of the sheet that pieces cover.
+    pub filled: f64,
+    /// Length of one unit of the scene, in `unit`.
+    pub unit_length: f64,
+}
+
+/// A parameter: slider, command-line option and help text are made from it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParamSpec {
+    /// Stable identifier.
+    pub id: String,
+    /// Its name.
+    pub label: String,
+    /// Its letter in the papers, or empty; `w_H` has an index.
+    pub symbol: String,
+    /// Unit, or empty.
+    pub unit: String,
+    /// Heading that it stands under.
+    pub group: String,
+    /// One or two sentences.
+    pub help: String,
+    /// Whether it is folded away.
+    pub advanced: bool,
+    /// What it takes.
+    pub kind: ParamKind,
+    /// Its value at first.
+    pub default: Value,
+    /// Shown only while another parameter has one of these values.
+    pub visible_if: Option<Condition>,
+}
+
+/// What a parameter takes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ParamKind {
+    /// A number within bounds.
+    Number {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// Smallest change.
+        step: f64,
+        /// Whether the slider moves by ratios.
+        logarithmic: bool,
+        /// Whether only whole numbers are allowed.
+        integer: bool,
+    },
+    /// One of several.
+    Choice {
+        /// All of them.
+        options: Vec<Choice>,
+    },
+    /// On or off.
+    Switch,
+}
+
+/// A parameter has one of these values.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Condition {
+    /// The parameter.
+    pub id: String,
+    /// The values.
+    pub one_of: Vec<String>,
+}
+
+/// Bytes to be saved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct File {
+    /// Name to offer.
+    pub name: String,
+    /// Media type.
+    pub mime: &'static str,
+    /// Content.
+    pub bytes: Vec<u8>,
+}

@@ -1,0 +1,260 @@
+//! From a layout to the scene that the viewer draws.
+
+use nalgebra::Vector3;
+
+use super::document::{Document, face_to_vertex};
+use super::layout::{Layout, rim_halfedges};
+use super::message::Choice;
+use super::scene::{FieldScene, PatchScene, Scene};
+use crate::mesh::{FaceId, SurfacePoint};
+
+/// Colours of the palette.
+const COLOURS: usize = 9;
+
+/// Bins of a field's histogram.
+const BINS: usize = 32;
+
+/// Fields that can be painted, `pieces` (none) first.
+pub fn fields() -> Vec<Choice> {
+    vec![
+        Choice::new("pieces", "Pieces"),
+        Choice::new("u", "Scale factor u"),
+        Choice::new("curvature", "Curvature K"),
+        Choice::new("area", "Area distortion"),
+        Choice::new("angle", "Angle distortion"),
+    ]
+}
+
+/// A colour for each patch, such that neighbours differ: that of its label where possible.
+pub fn patch_colours(layout: &Layout, labels: &[u32]) -> Vec<u8> {
+    let neighbours = layout.neighbours();
+    let mut patch_labels = vec![u32::MAX; layout.opened.patch_count];
+    for (v, &label) in labels.iter().enumerate() {
+        // The first copy of a vertex keeps its number; vertices on added cuts lie within one region anyway.
+        patch_labels[layout.vertex_patches[v] as usize] = label;
+    }
+    let mut colours: Vec<Option<u8>> = vec![None; patch_labels.len()];
+    let mut uses = [0usize; COLOURS];
+    for (patch, &label) in patch_labels.iter().enumerate() {
+        let taken = |c: usize| {
+            neighbours[patch].iter().any(|&n| colours[n as usize].map(usize::from) == Some(c))
+        };
+        let own = label as usize % COLOURS;
+        let chosen = if label != u32::MAX && !taken(own) {
+            own
+        } else {
+            (0..COLOURS).filter(|&c| !taken(c)).min_by_key(|&c| (uses[c], c)).unwrap_or(own)
+        };
+        uses[chosen] += 1;
+        colours[patch] = u8::try_from(chosen).ok();
+    }
+    colours.into_iter().map(|c| c.unwrap_or(0)).collect()
+}
+
+/// The scene of a layout.
+///
+/// **Takes** u at the mesh's vertices (0 on cuts), and the field to paint.
+pub fn scene(
+    document: &Document,
+    layout: &Layout,
+    colours: &[u8],
+    u: &[f64],
+    field: &str,
+    revision: u32,
+) -> Scene {
+    let unit = 1.0 / document.radius().max(1e-300);
+    let opened = &layout.opened;
+    let point_normals: Vec<Vector3<f64>> =
+        layout.cut.points.iter().map(|&p| normal_at(document, p)).collect();
+    let small = |x: f64| x as f32;
+    let mut result = Scene {
+        positions: Vec::with_capacity(3 * opened.vertex_points.len()),
+        normals: Vec::with_capacity(3 * opened.vertex_points.len()),
+        charts: layout.charts.iter().flatten().map(|x| small(x * unit)).collect(),
+        vertex_patches: layout.vertex_patches.clone(),
+        triangles: opened.mesh.triangles().iter().flatten().map(|v| v.0).collect(),
+        triangle_faces: layout.cut.triangle_faces.iter().map(|f| f.0).collect(),
+        sheet: [
+            0.0,
+            0.0,
+            small(layout.packing.sheet.x * unit),
+            small(layout.packing.sheet.y * unit),
+        ],
+        revision,
+        ..Scene::default()
+    };
+    for &point in &opened.vertex_points {
+        let place = layout.points[point as usize].coords * unit;
+        result.positions.extend(place.iter().map(|&x| small(x)));
+        result.normals.extend(point_normals[point as usize].iter().map(|&x| small(x)));
+    }
+
+    let mut numbers = vec![u32::MAX; opened.mesh.halfedge_count()];
+    let rims: Vec<_> = rim_halfedges(opened).map(|(h, _)| h).collect();
+    for (i, h) in rims.iter().enumerate() {
+        numbers[h.index()] = i as u32;
+        result.rims.extend([opened.mesh.tail(*h).0, opened.mesh.tip(*h).0]);
+    }
+    result.rim_partners =
+        rims.iter().map(|&h| opened.partner(h).map_or(u32::MAX, |p| numbers[p.index()])).collect();
+
+    let total: f64 = layout.patch_areas().iter().sum();
+    let anchors = anchors(layout);
+    for (patch, area) in layout.patch_areas().into_iter().enumerate() {
+        let measures = layout.measures.charts[patch].as_ref();
+        result.patches.push(PatchScene {
+            color: colours[patch],
+            area_fraction: small(area / total),
+            anchor: anchors[patch].map(|x| small(x * unit)),
+            flipped: measures.map_or(0, |m| u32::try_from(m.flipped).unwrap_or(u32::MAX)),
+            has_chart: measures.is_some(),
+        });
+    }
+
+    if let Some((id, label, values, signed)) = field_values(document, layout, u, field) {
+        result.field = Some(legend(layout, id, label, &values, signed));
+        result.values = values.into_iter().map(small).collect();
+    }
+    result
+}
+
+fn normal_at(document: &Document, point: SurfacePoint) -> Vector3<f64> {
+    let at = |v: crate::mesh::VertexId| document.vertex_normals[v.index()];
+    let sum = match point {
+        SurfacePoint::Vertex(v) => return at(v),
+        SurfacePoint::Edge(e, t) => {
+            let [a, b] = document.mesh.edge_vertices(e).map(at);
+            a * (1.0 - t) + b * t
+        }
+        SurfacePoint::Face(f, w) => {
+            let [a, b, c] = document.mesh.face_vertices(f).map(at);
+            a * w[0] + b * w[1] + c * w[2]
+        }
+    };
+    sum.try_normalize(1e-300).unwrap_or_else(Vector3::z)
+}
+
+/// Where each chart's number is written: the centre of the face nearest to the middle of its rectangle.
+fn anchors(layout: &Layout) -> Vec<[f64; 2]> {
+    let mut best = vec![([f64::NAN; 2], f64::INFINITY); layout.opened.patch_count];
+    for f in layout.opened.mesh.faces() {
+        let patch = layout.opened.face_patches[f.index()] as usize;
+        let rectangle = &layout.packing.boxes[patch];
+        let middle = rectangle.low + rectangle.size / 2.0;
+        let corners = layout.opened.mesh.face_vertices(f).map(|v| layout.charts[v.index()]);
+        let centre = [0, 1].map(|i| corners.iter().map(|c| c[i]).sum::<f64>() / 3.0);
+        let distance = (centre[0] - middle.x).powi(2) + (centre[1] - middle.y).powi(2);
+        if distance < best[patch].1 {
+            best[patch] = (centre, distance);
+        }
+    }
+    best.into_iter().map(|(place, _)| place).collect()
+}
+
+/// Identifier, label, one value for each opened vertex, whether the field is signed.
+fn field_values(
+    document: &Document,
+    layout: &Layout,
+    u: &[f64],
+    field: &str,
+) -> Option<(&'static str, &'static str, Vec<f64>, bool)> {
+    let own = document.mesh.vertex_count();
+    let opened = &layout.opened;
+    let on_points = |vertex_values: &[f64], elsewhere: &dyn Fn(SurfacePoint) -> f64| -> Vec<f64> {
+        opened
+            .vertex_points
+            .iter()
+            .map(|&p| match (p as usize) < own {
+                true => vertex_values[p as usize],
+                false => elsewhere(layout.cut.points[p as usize]),
+            })
+            .collect()
+    };
+    let per_face = |values: &[f64]| face_to_vertex(&opened.mesh, &layout.geometry, values);
+    match field {
+        "u" => {
+            // Charts know u also on patches with added cuts; the flow's u serves where there is no chart.
+            let flow = on_points(u, &|_| 0.0);
+            let charts = &layout.flattening.u;
+            let values = flow.iter().zip(charts).map(|(f, c)| if c.is_finite() { *c } else { *f });
+            Some(("u", "Scale factor u", values.collect(), true))
+        }
+        "curvature" => {
+            let curvature = &document.vertex_curvatures;
+            let between = |point| match point {
+                SurfacePoint::Vertex(v) => curvature[v.index()],
+                SurfacePoint::Edge(e, t) => {
+                    let [a, b] = document.mesh.edge_vertices(e).map(|v| curvature[v.index()]);
+                    a + (b - a) * t
+                }
+                SurfacePoint::Face(f, w) => {
+                    let corners = document.mesh.face_vertices(f).map(|v| curvature[v.index()]);
+                    corners.iter().zip(w).map(|(c, w)| c * w).sum()
+                }
+            };
+            Some(("curvature", "Curvature K", on_points(curvature, &between), true))
+        }
+        "area" => {
+            let values = per_face(&layout.measures.face_log_scales);
+            Some(("area", "Area distortion (log of stretch)", values, true))
+        }
+        "angle" => {
+            let values = per_face(&layout.measures.face_angle_distortions);
+            Some(("angle", "Angle distortion σ₁/σ₂", values, false))
+        }
+        _ => None,
+    }
+}
+
+/// Range, mean and histogram. The range covers the middle 98 % of the area, so that a few sharp corners do not wash the
+/// rest out; signed fields are centred on zero.
+fn legend(layout: &Layout, id: &str, label: &str, values: &[f64], signed: bool) -> FieldScene {
+    let mut samples: Vec<(f64, f64)> = Vec::new();
+    let (mut sum, mut area) = (0.0, 0.0);
+    for f in 0..layout.opened.mesh.face_count() {
+        let corners = layout.opened.mesh.face_vertices(FaceId::from(f));
+        let value = corners.iter().map(|v| values[v.index()]).sum::<f64>() / 3.0;
+        if value.is_finite() {
+            let weight = layout.geometry.face_areas[f];
+            samples.push((value, weight));
+            sum += value * weight;
+            area += weight;
+        }
+    }
+    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let quantile = |fraction: f64| {
+        let mut below = 0.0;
+        let found = samples.iter().find(|(_, weight)| {
+            below += weight;
+            below >= fraction * area
+        });
+        found.or(samples.last()).map_or(0.0, |s| s.0)
+    };
+    let (mut low, mut high) = (quantile(0.01), quantile(0.99));
+    if signed {
+        high = high.abs().max(low.abs()).max(1e-9);
+        low = -high;
+    } else if high - low < 1e-9 {
+        high = low + 1e-9;
+    }
+    let mut histogram = vec![0.0f64; BINS];
+    for (value, weight) in &samples {
+        let place = ((value - low) / (high - low) * BINS as f64).clamp(0.0, BINS as f64 - 1.0);
+        histogram[place as usize] += weight;
+    }
+    let largest = histogram.iter().fold(0.0f64, |m, &x| m.max(x)).max(1e-300);
+    let extremes = match (samples.first(), samples.last()) {
+        (Some(first), Some(last)) => [first.0 as f32, last.0 as f32],
+        _ => [0.0, 0.0],
+    };
+    FieldScene {
+        id: id.into(),
+        label: label.into(),
+        unit: String::new(),
+        range: [low as f32, high as f32],
+        mean: (sum / area.max(1e-300)) as f32,
+        extremes,
+        signed,
+        histogram: histogram.iter().map(|x| (x / largest) as f32).collect(),
+    }
+}

@@ -1,0 +1,209 @@
+//! Reports for machines: the fields of `--json` and of the page's report, lengths divided by √area and areas by area.
+
+use serde::Serialize;
+
+use super::document::Document;
+use super::layout::Layout;
+use super::message::NoticeText;
+use crate::flatten::ChartMeasures;
+use crate::methods::cutflow::Energy;
+
+/// `cutflow info`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InfoReport {
+    /// Vertices of the file.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Connected components.
+    pub components: usize,
+    /// Boundary loops.
+    pub boundary_loops: usize,
+    /// Sum of the genera.
+    pub genus: usize,
+    /// V − E + F over used vertices.
+    pub euler: i64,
+    /// In the file's unit squared.
+    pub area: f64,
+    /// What was found.
+    pub notices: Vec<NoticeText>,
+}
+
+/// `cutflow cut`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CutReport {
+    /// Vertices of the file.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Labels in use.
+    pub regions: usize,
+    /// Accepted steps.
+    pub steps: usize,
+    /// `running`, `converged`, `stalled` or `step_limit`.
+    pub status: &'static str,
+    /// One entry for each step, the initial cut first.
+    pub history: Vec<HistoryRow>,
+    /// Length of the cut, each stretch counted once; cuts added for disks not included.
+    pub cut_length: f64,
+    /// Length of the cuts added to make disks.
+    pub disk_cut_length: f64,
+    /// Σ ∫u², unweighted.
+    pub hencky: f64,
+    /// Σ ∫|∇u|², unweighted.
+    pub dirichlet: f64,
+    /// Relative residual of the last solve.
+    pub residual: f64,
+    /// One entry for each patch, after cutting to disks.
+    pub patches: Vec<PatchReport>,
+    /// The charts.
+    pub flattening: FlattenReport,
+    /// Solving time.
+    pub seconds: f64,
+    /// Solving time over steps; `null` without steps.
+    pub seconds_per_step: Option<f64>,
+}
+
+/// One step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HistoryRow {
+    /// Accepted steps.
+    pub step: usize,
+    /// Weighted distortion, J − α |γ|.
+    pub distortion: f64,
+    /// |γ|.
+    pub length: f64,
+    /// J.
+    pub total: f64,
+}
+
+/// One patch.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PatchReport {
+    /// Triangles of the refined surface.
+    pub faces: usize,
+    /// Fraction of the area.
+    pub area: f64,
+    /// 1 for disks.
+    pub euler: i64,
+    /// 1 for disks.
+    pub boundary_loops: usize,
+}
+
+/// `cutflow flatten`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlattenReport {
+    /// One entry for each chart; `null` where a patch has none.
+    pub charts: Vec<Option<ChartReport>>,
+    /// All charts together.
+    pub totals: ChartReport,
+    /// Whether both sides of every seam are equally long in the charts.
+    pub seams_equal: bool,
+    /// Solving time.
+    pub seconds: f64,
+}
+
+/// Distortion of one chart.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChartReport {
+    /// Triangles.
+    pub faces: usize,
+    /// Turned-over triangles.
+    pub flipped: usize,
+    /// Crossings of the outline with itself; in the totals also of different charts on the sheet.
+    pub overlaps: usize,
+    /// Mean σ₁/σ₂.
+    pub angle_distortion: f64,
+    /// Largest σ₁/σ₂.
+    pub angle_distortion_max: f64,
+    /// RMS of the log scale around its mean.
+    pub area_distortion: f64,
+    /// Σ(A′ − A)/ΣA.
+    pub area_change: f64,
+    /// Σ|A′ − A|/ΣA.
+    pub area_change_abs: f64,
+    /// Raw L² stretch.
+    pub l2_stretch: f64,
+}
+
+impl InfoReport {
+    /// Of an opened mesh.
+    pub fn new(document: &Document) -> Self {
+        let s = &document.summary;
+        Self {
+            vertices: s.vertices,
+            faces: s.faces,
+            components: s.components,
+            boundary_loops: s.boundary_loops,
+            genus: s.genus,
+            euler: s.euler,
+            area: s.area,
+            notices: s.notices.clone(),
+        }
+    }
+}
+
+impl HistoryRow {
+    /// Of an energy after a step.
+    pub fn new(step: usize, energy: &Energy, length_weight: f64) -> Self {
+        Self {
+            step,
+            distortion: energy.total - length_weight * energy.length,
+            length: energy.length,
+            total: energy.total,
+        }
+    }
+}
+
+impl ChartReport {
+    fn new(m: &ChartMeasures) -> Self {
+        Self {
+            faces: m.faces,
+            flipped: m.flipped,
+            overlaps: m.overlaps,
+            angle_distortion: m.angle_distortion,
+            angle_distortion_max: m.angle_distortion_max,
+            area_distortion: m.area_distortion,
+            area_change: m.area_change,
+            area_change_abs: m.area_change_abs,
+            l2_stretch: m.l2_stretch,
+        }
+    }
+}
+
+impl FlattenReport {
+    /// Of a layout.
+    pub fn new(layout: &Layout, seconds: f64) -> Self {
+        let charts = &layout.measures.charts;
+        let mut totals = ChartReport::new(&layout.measures.totals);
+        totals.overlaps = layout.overlaps();
+        Self {
+            charts: charts.iter().map(|m| m.as_ref().map(ChartReport::new)).collect(),
+            totals,
+            seams_equal: layout.flattening.seams_equal,
+            seconds,
+        }
+    }
+}
+
+/// One entry for each patch of a layout.
+pub fn patch_reports(layout: &Layout) -> Vec<PatchReport> {
+    let mut faces = vec![0; layout.opened.patch_count];
+    for &patch in &layout.opened.face_patches {
+        faces[patch as usize] += 1;
+    }
+    let areas = layout.patch_areas();
+    let total: f64 = areas.iter().sum();
+    layout
+        .opened
+        .patch_shapes()
+        .into_iter()
+        .enumerate()
+        .map(|(patch, (euler, boundary_loops))| PatchReport {
+            faces: faces[patch],
+            area: areas[patch] / total,
+            euler,
+            boundary_loops,
+        })
+        .collect()
+}

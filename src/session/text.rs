@@ -1,0 +1,173 @@
+//! Errors as a person reads them: what is wrong, where, what to do.
+
+use crate::geometry::GeometryError;
+use crate::linalg::LinalgError;
+use crate::mesh::MeshError;
+use crate::mesh::obj::ReadError;
+use crate::methods::flow::SolveError;
+
+/// Something that could not be done, in three parts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// What is wrong.
+    pub what: String,
+    /// Where.
+    pub place: String,
+    /// What to do about it.
+    pub what_to_do: String,
+}
+
+impl Problem {
+    /// From three texts.
+    pub fn new(
+        what: impl Into<String>,
+        place: impl Into<String>,
+        what_to_do: impl Into<String>,
+    ) -> Self {
+        Self { what: what.into(), place: place.into(), what_to_do: what_to_do.into() }
+    }
+
+    /// The text of a file that could not be read.
+    pub fn read(name: &str, error: &ReadError) -> Self {
+        let fault = capital(&error.fault.to_string());
+        let place = match error.line {
+            Some(line) => format!("{name}, line {line}."),
+            None => format!("{name}."),
+        };
+        Self::new(format!("{fault}."), place, error.fault.advice())
+    }
+
+    /// The text of triangles that form no surface. `vertex` gives the file's index of a vertex of the mesh.
+    pub fn mesh(name: &str, error: &MeshError, vertex: impl Fn(usize) -> usize) -> Self {
+        let edges = |edges: &[[crate::mesh::VertexId; 2]]| {
+            let [a, b] = edges[0].map(|v| vertex(v.index()));
+            let more = match edges.len() {
+                1 => String::new(),
+                n => format!(" and {} more", n - 1),
+            };
+            format!("{name}, edge from vertex {a} to vertex {b}{more} (counted from 0).")
+        };
+        match error {
+            MeshError::NoFaces => Self::new(
+                "The mesh has no faces.",
+                format!("{name}."),
+                "Export a surface with faces: points and lines cannot be cut.",
+            ),
+            MeshError::TooLarge { faces } => Self::new(
+                format!("The mesh has {faces} faces, more than can be numbered."),
+                format!("{name}."),
+                "Reduce it in a modelling program first.",
+            ),
+            MeshError::RepeatedVertices { faces } => Self::new(
+                format!("{} faces use a vertex twice.", faces.len()),
+                format!("{name}, first face {} (counted from 0).", faces[0].0),
+                "Remove degenerate faces in a modelling program.",
+            ),
+            MeshError::NonManifoldEdges { edges: list, .. } => Self::new(
+                format!("{} belong to three or more faces, so that the mesh is not a surface there.", plural(list.len(), "edge")),
+                edges(list),
+                "Remove inner walls and fins in a modelling program (Blender: Select › All by Trait › Non Manifold); the edges are marked in red.",
+            ),
+            MeshError::InconsistentOrientation { edges: list } => Self::new(
+                format!("{} join faces that look in opposite directions.", plural(list.len(), "edge")),
+                edges(list),
+                "Let a modelling program make the normals consistent (Blender: Mesh › Normals › Recalculate Outside). If that cannot be done, the surface is one-sided.",
+            ),
+            MeshError::NonManifoldVertices { vertices } => Self::new(
+                format!(
+                    "{} join parts that touch in that point only.",
+                    plural(vertices.len(), "vertex")
+                ),
+                format!(
+                    "{name}, vertex {} (counted from 0){}.",
+                    vertex(vertices[0].index()),
+                    match vertices.len() {
+                        1 => String::new(),
+                        n => format!(" and {} more", n - 1),
+                    }
+                ),
+                "Split these vertices in a modelling program; they are marked in red.",
+            ),
+        }
+    }
+
+    /// The text of a surface that cannot be measured.
+    pub fn geometry(name: &str, error: &GeometryError, vertex: impl Fn(usize) -> usize) -> Self {
+        match error {
+            GeometryError::NotFinite { vertices } => Self::new(
+                format!("{} have coordinates that are not finite.", plural(vertices.len(), "vertex")),
+                format!("{name}, first vertex {} (counted from 0).", vertex(vertices[0].index())),
+                "Remove the broken vertices and export the file again.",
+            ),
+            GeometryError::NoExtent => Self::new(
+                "The mesh has no extent: all its points coincide.",
+                format!("{name}."),
+                "Check the export; the scale may have been lost.",
+            ),
+            GeometryError::DegenerateFaces { faces } => Self::new(
+                format!("{} have no area.", plural(faces.len(), "face")),
+                format!("{name}, first triangle {} (counted from 0).", faces[0].0),
+                "Dissolve degenerate faces in a modelling program (Blender: Mesh › Clean Up › Degenerate Dissolve); they are marked in red.",
+            ),
+        }
+    }
+
+    /// The text of a solve that could not be done.
+    pub fn solve(name: &str, error: &SolveError) -> Self {
+        match error {
+            SolveError::EmptyCut { .. } => Self::new(
+                "The initial cut is empty: the whole surface lies on one side of it.",
+                format!("{name}, initial cut."),
+                "Move the plane into the model, change the radius of the circle, or lower the cluster angle.",
+            ),
+            SolveError::Parameter { name: parameter, value, min, max } => Self::new(
+                format!("The {parameter} is {value}."),
+                format!("{name}, parameters."),
+                if *max < 1e300 {
+                    format!("Choose a value from {min} to {max}.")
+                } else {
+                    format!("Choose a value of at least {min}.")
+                },
+            ),
+            SolveError::NoEnergy => Self::new(
+                "Both distortion weights are 0, so that nothing keeps the cut from shrinking away.",
+                "Weights.",
+                "Give the Hencky or the Dirichlet distortion a weight.",
+            ),
+            SolveError::Linalg(LinalgError::NotPositiveDefinite { row }) => Self::new(
+                "The distortion cannot be computed: the surface is too degenerate.",
+                format!("{name}, near vertex {row}."),
+                "Remesh the surface with evener triangles and open it again.",
+            ),
+            SolveError::Linalg(LinalgError::OutOfMemory { size }) => Self::new(
+                format!("There is not enough memory to solve with {size} unknowns."),
+                format!("{name}."),
+                "Reduce the mesh and open it again.",
+            ),
+            SolveError::Mesh(error) => Self::mesh(name, error, |v| v),
+            SolveError::Geometry(error) => Self::geometry(name, error, |v| v),
+            SolveError::NotFinite => Self::new(
+                "The energy of the cut is not a finite number.",
+                format!("{name}."),
+                "Remesh the surface with evener triangles and open it again.",
+            ),
+        }
+    }
+}
+
+/// Count and noun, with the plural where it is due.
+pub fn plural(count: usize, noun: &str) -> String {
+    match (count, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "vertex") => format!("{count} vertices"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
+/// With a capital at its beginning.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().collect::<String>() + letters.as_str()
+    })
+}
