@@ -25,7 +25,7 @@ const RANGE: f32 = 1.0;
 /// What is left of the light above an open place, whose own cells the low cones graze.
 const OPEN: f32 = 0.82;
 /// Pixels along a side of the ground shadow. It is soft: more would show nothing.
-pub const SHADOW_PIXELS: usize = 96;
+pub const SHADOW_PIXELS: usize = 80;
 /// Half the side of the ground that has a shadow.
 pub const SHADOW_REACH: f32 = 1.7;
 
@@ -41,6 +41,7 @@ pub struct Occlusion {
 
 #[derive(Clone, Debug)]
 struct Level {
+    /// Cells along a side, without the border.
     side: usize,
     fill: Vec<f32>,
 }
@@ -94,25 +95,21 @@ impl Occlusion {
     }
 
     /// What is left of the light that comes down a cone.
+    ///
+    /// Each step reads the level whose cells are as wide as the cone. All cones step alike, so that
+    /// the change from level to level shows nowhere.
     fn follow(&self, origin: Vec3, direction: Vec3) -> f32 {
         let mut light = 1.0;
         let mut distance = CELL;
-        while distance < RANGE && light > 0.02 {
-            let diameter = (2.0 * SPREAD * distance).max(CELL);
-            let filled = self.filled(origin + direction * distance, diameter);
+        while distance < RANGE {
+            let width = (2.0 * SPREAD * distance).max(CELL);
+            let level = ((width / CELL).log2().round() as usize).min(self.levels.len() - 1);
+            let filled = self.levels[level].at(origin + direction * distance);
             // Far things shade less: the room is not dark, it has walls of its own.
             light *= 1.0 - filled * (1.0 - distance / RANGE);
-            distance += 0.7 * diameter;
+            distance += 0.7 * width;
         }
         light
-    }
-
-    /// Fraction filled of a blob of some diameter, between two levels.
-    fn filled(&self, place: Vec3, diameter: f32) -> f32 {
-        let level = (diameter / CELL).log2().clamp(0.0, (self.levels.len() - 1) as f32);
-        let fine = (level as usize).min(self.levels.len() - 2);
-        let t = level - fine as f32;
-        self.levels[fine].at(place) * (1.0 - t) + self.levels[fine + 1].at(place) * t
     }
 
     /// The shadow on the ground: darkness of [`SHADOW_PIXELS`]² pixels, rows along z, 0 at the edge.
@@ -141,42 +138,43 @@ impl Occlusion {
 }
 
 impl Level {
-    /// Trilinear between the centres of cells, empty outside.
-    fn at(&self, place: Vec3) -> f32 {
-        let side = self.side as f32;
-        let p = (place / (2.0 * REACH) + 0.5) * side - 0.5;
-        let floor = p.floor();
-        let t = p - floor;
-        let cell = |d: [i32; 3]| {
-            let [x, y, z] = [0, 1, 2].map(|i| floor[i] as i32 + d[i]);
-            let inside = |c: i32| (0..self.side as i32).contains(&c);
-            if inside(x) && inside(y) && inside(z) {
-                self.fill[(z as usize * self.side + y as usize) * self.side + x as usize]
-            } else {
-                0.0
-            }
-        };
-        let along_x = |y, z| cell([0, y, z]) * (1.0 - t.x) + cell([1, y, z]) * t.x;
-        let along_y = |z| along_x(0, z) * (1.0 - t.y) + along_x(1, z) * t.y;
-        along_y(0) * (1.0 - t.z) + along_y(1) * t.z
-    }
-
-    fn halved(&self) -> Self {
-        let side = self.side / 2;
-        let mut fill = Vec::with_capacity(side.pow(3));
+    /// Puts a border of empty cells around `side³` of them, so that reading needs no tests.
+    fn new(side: usize, fill: impl Fn([usize; 3]) -> f32) -> Self {
+        let row = side + 2;
+        let mut bordered = vec![0.0; row.pow(3)];
         for z in 0..side {
             for y in 0..side {
                 for x in 0..side {
-                    let corner = (2 * z * self.side + 2 * y) * self.side + 2 * x;
-                    let sum: f32 = [0, self.side, self.side.pow(2), self.side.pow(2) + self.side]
-                        .iter()
-                        .map(|step| self.fill[corner + step] + self.fill[corner + step + 1])
-                        .sum();
-                    fill.push(sum / 8.0);
+                    bordered[((z + 1) * row + y + 1) * row + x + 1] = fill([x, y, z]);
                 }
             }
         }
-        Self { side, fill }
+        Self { side, fill: bordered }
+    }
+
+    fn cell(&self, [x, y, z]: [usize; 3]) -> f32 {
+        let row = self.side + 2;
+        self.fill[((z + 1) * row + y + 1) * row + x + 1]
+    }
+
+    /// Trilinear between the centres of cells, empty outside.
+    fn at(&self, place: Vec3) -> f32 {
+        let side = self.side as f32;
+        let p = (place / (2.0 * REACH) + 0.5) * side + 0.5;
+        let p = p.clamp(Vec3::ZERO, Vec3::splat(side + 0.999));
+        let t = p.fract();
+        let row = self.side + 2;
+        let corner = ((p.z as usize) * row + p.y as usize) * row + p.x as usize;
+        let along_x = |start: usize| self.fill[start] * (1.0 - t.x) + self.fill[start + 1] * t.x;
+        let along_y = |start| along_x(start) * (1.0 - t.y) + along_x(start + row) * t.y;
+        along_y(corner) * (1.0 - t.z) + along_y(corner + row * row) * t.z
+    }
+
+    fn halved(&self) -> Self {
+        Self::new(self.side / 2, |corner| {
+            let child = |i: usize| [0, 1, 2].map(|axis| 2 * corner[axis] + (i >> axis & 1));
+            (0..8).map(|i| self.cell(child(i))).sum::<f32>() / 8.0
+        })
     }
 }
 
@@ -225,7 +223,7 @@ fn fill(scene: &Scene) -> Level {
         PASSED => 0.5,
         _ => 1.0,
     };
-    Level { side: CELLS, fill: cells.into_iter().map(fraction).collect() }
+    Level::new(CELLS, |cell| fraction(cells[index(cell)]))
 }
 
 #[cfg(test)]
@@ -246,7 +244,7 @@ mod tests {
     fn averaging_keeps_the_mean() {
         let fine = fill(&unit_ball(3, 0));
         let coarse = fine.halved();
-        let mean = |level: &Level| level.fill.iter().sum::<f32>() / level.fill.len() as f32;
+        let mean = |level: &Level| level.fill.iter().sum::<f32>() / level.side.pow(3) as f32;
         assert!((mean(&fine) - mean(&coarse)).abs() < 1e-4);
         assert_eq!(fine.at(Vec3::ZERO), 1.0);
         assert_eq!(fine.at(Vec3::splat(50.0)), 0.0);
@@ -270,8 +268,8 @@ mod tests {
         let at = |x: usize, z: usize| shadow[z * SHADOW_PIXELS + x];
         let middle = SHADOW_PIXELS / 2;
         assert!(at(middle, middle) > 150);
-        assert!(at(middle, middle) > at(middle + 20, middle));
-        assert!(at(middle + 20, middle) > at(middle + 36, middle));
+        assert!(at(middle, middle) > at(middle + 16, middle));
+        assert!(at(middle + 16, middle) > at(middle + 30, middle));
         assert!((0..SHADOW_PIXELS).all(|i| at(i, 0) == 0 && at(0, i) == 0));
         assert!((occlusion.ground() + 1.0).abs() < 1e-5);
     }
