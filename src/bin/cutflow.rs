@@ -1,2 +1,403 @@
-//! The native command.
-fn main() {}
+//! The native command: a [`Session`] driven from a terminal.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use cutflow::flatten::NoChart;
+use cutflow::session::{
+    Command, Event, FlattenReport, Layout, Problem, Session, Value, cut_from_json, document_layout,
+};
+
+/// Computes where to cut a curved surface so that its pieces flatten with little distortion.
+#[derive(Parser)]
+#[command(version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Says what a mesh is and what is wrong with it.
+    Info {
+        /// The mesh (OBJ), or `sample:NAME` for a generated one.
+        mesh: String,
+        #[command(flatten)]
+        report: Report,
+    },
+    /// Moves a cut to lower the distortion of its pieces.
+    Cut(CutArgs),
+    /// Flattens a mesh along a cut and measures the result.
+    Flatten(FlattenArgs),
+}
+
+#[derive(Args)]
+struct Report {
+    /// Writes the report to this file (`-` for standard output).
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Init {
+    /// Two regions on either side of a plane.
+    Plane,
+    /// Two regions, inside and outside a geodesic circle.
+    Circle,
+    /// Many regions of similar normals.
+    Normals,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum EnergyKind {
+    /// Change of stretching, ∫|∇u|².
+    Dirichlet,
+    /// Amount of stretching, ∫u².
+    Hencky,
+}
+
+#[derive(Args)]
+struct CutArgs {
+    /// The mesh (OBJ), or `sample:NAME` for a generated one.
+    mesh: String,
+    /// The initial cut.
+    #[arg(long, value_enum, default_value = "normals")]
+    init: Init,
+    /// The distortion to lower.
+    #[arg(long, value_enum, default_value = "hencky")]
+    energy: EnergyKind,
+    /// Its weight: 10 for Dirichlet, 3000 for Hencky if not given.
+    #[arg(long, value_name = "W")]
+    weight: Option<f64>,
+    /// Weight α of the cut's length, for unit area.
+    #[arg(long, value_name = "A", default_value_t = 2.0)]
+    length: f64,
+    /// Number of labels of normal clusters.
+    #[arg(long, value_name = "N")]
+    regions: Option<f64>,
+    /// Largest angle within a normal cluster, degrees.
+    #[arg(long, value_name = "DEG")]
+    angle: Option<f64>,
+    /// Axis that the plane is perpendicular to: x, y or z.
+    #[arg(long)]
+    axis: Option<String>,
+    /// Where the plane cuts its axis, percent from the middle.
+    #[arg(long, value_name = "PERCENT", allow_hyphen_values = true)]
+    offset: Option<f64>,
+    /// Centre vertex of the circle, counted from 0.
+    #[arg(long)]
+    vertex: Option<f64>,
+    /// Radius of the circle; 1 is the side of a square of the surface's area.
+    #[arg(long)]
+    radius: Option<f64>,
+    /// Steps at most; 0 evaluates the initial cut.
+    #[arg(long, default_value_t = 100)]
+    steps: usize,
+    /// Largest move of the cut in a step, mean edge lengths.
+    #[arg(long)]
+    cap: Option<f64>,
+    /// The run has converged when ten steps lower the energy by less than this fraction.
+    #[arg(long, default_value_t = 1e-5)]
+    tolerance: f64,
+    /// Initial disturbance, mean edge lengths.
+    #[arg(long)]
+    kick: Option<f64>,
+    /// Seed of the disturbance.
+    #[arg(long)]
+    seed: Option<f64>,
+    /// Longest side of the model in the pattern.
+    #[arg(long, value_name = "MM")]
+    size_mm: Option<f64>,
+    /// Folder for cut.json, uv.obj, cut.obj and pattern.svg.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    report: Report,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Method {
+    /// Boundary first flattening with isometric rims.
+    Bff,
+}
+
+#[derive(Args)]
+struct FlattenArgs {
+    /// The mesh (OBJ), or `sample:NAME` for a generated one.
+    mesh: String,
+    /// A cut.json that `cutflow cut` wrote. Without it only cuts to disks are made.
+    #[arg(long, value_name = "FILE")]
+    cut: Option<PathBuf>,
+    /// How to flatten.
+    #[arg(long, value_enum, default_value = "bff")]
+    method: Method,
+    /// Where to write the surface with texture coordinates.
+    #[arg(short, long, value_name = "OUT.obj")]
+    output: PathBuf,
+    #[command(flatten)]
+    report: Report,
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Task::Info { mesh, report } => info(&mesh, &report),
+        Task::Cut(args) => cut(&args),
+        Task::Flatten(args) => flatten(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            let Problem { what, place, what_to_do } = problem;
+            eprintln!("error: {what}\nwhere: {place}\nwhat to do: {what_to_do}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn info(mesh: &str, report: &Report) -> Result<(), Problem> {
+    let mut session = open(mesh)?;
+    let Some(info) = session.info_report() else { return Err(lost(mesh)) };
+    if !writes_to_stdout(report) {
+        let shape = match info.boundary_loops {
+            0 => "closed".to_owned(),
+            1 => "1 boundary loop".to_owned(),
+            n => format!("{n} boundary loops"),
+        };
+        println!("{mesh}");
+        println!("  {} vertices, {} faces", info.vertices, info.faces);
+        let components = if info.components == 1 { "component" } else { "components" };
+        println!("  {} {components}, {shape}, genus {}", info.components, info.genus);
+        println!("  area {:.6} (unit of the file, squared)", info.area);
+        for notice in &info.notices {
+            println!("  note: {}", notice.text);
+        }
+        // What stands in the way of the default cut is worth knowing here.
+        if let Err(problem) = tell(session.handle(Command::Pause)) {
+            println!("  note: {}", problem.what);
+        }
+    }
+    write_json(report, &info)
+}
+
+fn cut(args: &CutArgs) -> Result<(), Problem> {
+    let mut session = open(&args.mesh)?;
+    let weight = |default: f64| args.weight.unwrap_or(default);
+    let (dirichlet, hencky) = match args.energy {
+        EnergyKind::Dirichlet => (weight(10.0), 0.0),
+        EnergyKind::Hencky => (0.0, weight(3000.0)),
+    };
+    // The larger weight first: both must never be zero at once.
+    let weights = match args.energy {
+        EnergyKind::Dirichlet => [("dirichlet", dirichlet), ("hencky", hencky)],
+        EnergyKind::Hencky => [("hencky", hencky), ("dirichlet", dirichlet)],
+    };
+    let mut changes: Vec<(&str, Value)> =
+        weights.into_iter().map(|(id, x)| (id, Value::Number(x))).collect();
+    changes.push(("length", Value::Number(args.length)));
+    changes.push(("tolerance", Value::Number(args.tolerance)));
+    changes.push(("steps", Value::Number(args.steps.max(1) as f64)));
+    for (id, value) in [
+        ("regions", args.regions),
+        ("angle", args.angle),
+        ("offset", args.offset),
+        ("vertex", args.vertex),
+        ("radius", args.radius),
+        ("cap", args.cap),
+        ("kick", args.kick),
+        ("seed", args.seed),
+        ("size", args.size_mm),
+    ] {
+        changes.extend(value.map(|x| (id, Value::Number(x))));
+    }
+    changes.extend(args.axis.clone().map(|axis| ("axis", Value::Text(axis))));
+    // The kind of the initial cut last, when its numbers are set.
+    let init = match args.init {
+        Init::Plane => "plane",
+        Init::Circle => "circle",
+        Init::Normals => "normals",
+    };
+    changes.push(("init", Value::Text(init.into())));
+    for (id, value) in changes {
+        tell(session.handle(Command::SetParameter { id: id.into(), value }))?;
+    }
+
+    let start = Instant::now();
+    let is_quiet = writes_to_stdout(&args.report);
+    if args.steps > 0 {
+        tell(session.handle(Command::Run))?;
+    }
+    let mut last_shown = 0;
+    while session.is_running() {
+        let mut slices = 10;
+        tell(session.advance(&mut || {
+            slices -= 1;
+            slices > 0
+        }))?;
+        if let Some(row) = session.history().last()
+            && row.step >= last_shown + 10
+            && !is_quiet
+        {
+            last_shown = row.step;
+            println!("step {:4}  J {:10.4}  cut length {:8.4}", row.step, row.total, row.length);
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let report = session.cut_report(seconds)?;
+    if !is_quiet {
+        println!(
+            "{} after {} steps: {} patches, cut length {:.4}, Dirichlet {:.6}, Hencky {:.8}",
+            report.status,
+            report.steps,
+            report.patches.len(),
+            report.cut_length,
+            report.dirichlet,
+            report.hencky
+        );
+        print_flattening(&report.flattening);
+    }
+    warn_of_charts(session.layout()?);
+    if let Some(folder) = &args.output {
+        make_folder(folder)?;
+        for (kind, name) in [
+            ("Cut (JSON)", "cut.json"),
+            ("UV mesh (OBJ)", "uv.obj"),
+            ("Cut curves (OBJ)", "cut.obj"),
+            ("Pattern (SVG)", "pattern.svg"),
+        ] {
+            write(&folder.join(name), &session.export(kind)?.bytes)?;
+        }
+    }
+    write_json(&args.report, &report)
+}
+
+fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
+    let mut session = open(&args.mesh)?;
+    let Method::Bff = args.method;
+    let cut = match &args.cut {
+        None => None,
+        Some(path) => {
+            let bytes = read(path)?;
+            let Some(document) = session.document() else { return Err(lost(&args.mesh)) };
+            Some(cut_from_json(document, &path.display().to_string(), &bytes)?)
+        }
+    };
+    let start = Instant::now();
+    let Some(document) = session.document() else { return Err(lost(&args.mesh)) };
+    let (layout, uv) = document_layout(document, cut)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let report = FlattenReport::new(&layout, seconds);
+    if !writes_to_stdout(&args.report) {
+        print_flattening(&report);
+    }
+    warn_of_charts(&layout);
+    write(&args.output, &uv)?;
+    session.handle(Command::Pause);
+    write_json(&args.report, &report)
+}
+
+fn print_flattening(report: &FlattenReport) {
+    let totals = &report.totals;
+    println!(
+        "{} charts: angle distortion {:.4}, area distortion {:.4}, {} flipped triangles, {} overlaps",
+        report.charts.iter().flatten().count(),
+        totals.angle_distortion,
+        totals.area_distortion,
+        totals.flipped,
+        totals.overlaps
+    );
+}
+
+/// Names the pieces that something is wrong with.
+fn warn_of_charts(layout: &Layout) {
+    for (patch, chart) in layout.measures.charts.iter().enumerate() {
+        let piece = patch + 1;
+        match chart {
+            None => {
+                let reason: Option<&NoChart> = layout.flattening.charts[patch].as_ref().err();
+                let reason = reason.map(ToString::to_string).unwrap_or_default();
+                eprintln!("warning: piece {piece} is not flattened: {reason}");
+            }
+            Some(m) if m.flipped > 0 => {
+                eprintln!("warning: piece {piece} has {} flipped triangles", m.flipped);
+            }
+            Some(m) if m.overlaps > 0 => {
+                eprintln!("warning: the outline of piece {piece} crosses itself {} times", m.overlaps);
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+/// Opens a file or a sample.
+fn open(mesh: &str) -> Result<Session, Problem> {
+    let mut session = Session::new();
+    let events = match mesh.strip_prefix("sample:") {
+        Some(name) => session.handle(Command::OpenSample { name: name.into() }),
+        None => session.open(mesh, &read(Path::new(mesh))?),
+    };
+    // A start that cannot be used is no reason to refuse the mesh: the parameters are still to come.
+    match tell(events) {
+        Err(problem) if session.document().is_none() => Err(problem),
+        _ => Ok(session),
+    }
+}
+
+/// The first error among the events.
+fn tell(events: Vec<Event>) -> Result<(), Problem> {
+    for event in events {
+        if let Event::Error { what, place, what_to_do, .. } = event {
+            return Err(Problem { what, place, what_to_do });
+        }
+    }
+    Ok(())
+}
+
+fn lost(mesh: &str) -> Problem {
+    Problem::new("The mesh was not opened.", mesh, "Check the file with cutflow info.")
+}
+
+fn writes_to_stdout(report: &Report) -> bool {
+    report.json.as_deref() == Some(Path::new("-"))
+}
+
+fn write_json<T: serde::Serialize>(report: &Report, value: &T) -> Result<(), Problem> {
+    let Some(path) = &report.json else { return Ok(()) };
+    let text = serde_json::to_string_pretty(value).map_err(|error| {
+        Problem::new(format!("The report could not be written: {error}."), path.display().to_string(), "Run again.")
+    })?;
+    if writes_to_stdout(report) {
+        println!("{text}");
+        return Ok(());
+    }
+    write(path, text.as_bytes())
+}
+
+#[expect(clippy::disallowed_methods, reason = "the command is where files are opened")]
+fn read(path: &Path) -> Result<Vec<u8>, Problem> {
+    std::fs::read(path).map_err(|error| {
+        Problem::new(
+            format!("The file could not be read: {error}."),
+            path.display().to_string(),
+            "Check the path and its permissions.",
+        )
+    })
+}
+
+#[expect(clippy::disallowed_methods, reason = "the command is where files are written")]
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
+    std::fs::write(path, bytes).map_err(|error| unwritable(path, &error))
+}
+
+fn make_folder(path: &Path) -> Result<(), Problem> {
+    std::fs::create_dir_all(path).map_err(|error| unwritable(path, &error))
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> Problem {
+    Problem::new(
+        format!("The file could not be written: {error}."),
+        path.display().to_string(),
+        "Check that the folder exists and may be written to.",
+    )
+}

@@ -9,6 +9,7 @@
 //!
 //! This is the only floor that serialises. It reads no clock: drivers measure time and hand in budgets.
 
+mod cut_file;
 mod document;
 mod layout;
 mod message;
@@ -25,6 +26,7 @@ use crate::methods::cutflow::{Checkpoint, CutFlow, initial_labels};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, CutSurface, Pattern, Sheet, SheetParams};
 
+pub use cut_file::{cut_from_json, document_layout};
 pub use document::{Document, Refusal};
 pub use layout::Layout;
 pub use message::{

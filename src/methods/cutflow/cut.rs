@@ -136,6 +136,33 @@ impl Cut {
             edge_crossings[e.index()] = cut.crossings.len() as u32;
             cut.crossings.push(Crossing { edge: e, t, labels: pair, d });
         }
+        cut.add_faces(mesh, frames, labels, edge_crossings);
+        cut
+    }
+
+    /// The cut of labelled vertices with crossings at given places.
+    pub fn of_labels(
+        mesh: &Mesh,
+        frames: &Frames,
+        labels: &[u32],
+        place: impl Fn(EdgeId) -> f64,
+    ) -> Self {
+        let mut cut = Self::default();
+        let mut edge_crossings = vec![NONE; mesh.edge_count()];
+        for e in mesh.edges() {
+            let [a, b] = mesh.edge_vertices(e).map(|v| labels[v.index()]);
+            if a != b {
+                let t = place(e).clamp(CLAMP, 1.0 - CLAMP);
+                let d = if a < b { [-t, 1.0 - t] } else { [t, t - 1.0] };
+                edge_crossings[e.index()] = cut.crossings.len() as u32;
+                cut.crossings.push(Crossing { edge: e, t, labels: [a.min(b), a.max(b)], d });
+            }
+        }
+        cut.add_faces(mesh, frames, labels, &edge_crossings);
+        cut
+    }
+
+    fn add_faces(&mut self, mesh: &Mesh, frames: &Frames, labels: &[u32], edge_crossings: &[u32]) {
         for f in mesh.faces() {
             let crossings = mesh.face_halfedges(f).map(|h| edge_crossings[h.edge().index()]);
             let lone = match crossings.map(|c| c != NONE) {
@@ -146,10 +173,9 @@ impl Cut {
                 [true, false, true] => 0,
                 _ => 3,
             };
-            cut.add_face(mesh, frames, f, crossings, lone, labels);
+            self.add_face(mesh, frames, f, crossings, lone, labels);
         }
-        cut.length = cut.segments.iter().map(|s| s.length).sum();
-        cut
+        self.length = self.segments.iter().map(|s| s.length).sum();
     }
 
     fn add_face(

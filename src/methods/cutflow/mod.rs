@@ -22,7 +22,7 @@ mod metric;
 mod topology;
 
 use band::{LevelSets, Response};
-use cut::{Cut, NONE};
+use cut::{Cut, Frames, NONE};
 use energy::{Problem, Solution};
 use memory::Memory;
 use metric::{CurveMetric, dot};
@@ -33,7 +33,7 @@ pub use init::{Initial, initial_labels};
 use super::flow::{Flow, SolveError, Status, StepReport};
 use crate::geometry::Geometry;
 use crate::linalg::{Factor, LinalgError};
-use crate::mesh::{CutMesh, Mesh};
+use crate::mesh::{CutMesh, EdgeId, Mesh, VertexId};
 
 /// Options of a [`CutFlow`]. All are for a surface of unit area.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -570,6 +570,21 @@ impl Flow for CutFlow {
         }
         Ok(self.report())
     }
+}
+
+/// The surface refined along the borders of labels, without a flow.
+///
+/// **Takes** one label for each vertex, and for an edge between two labels, told by its ends, where the cut crosses it
+/// (from the first end, within (0, 1)); the middle where it does not say.
+pub fn labelled_cut(
+    mesh: &Mesh,
+    geometry: &Geometry,
+    labels: &[u32],
+    place: impl Fn([VertexId; 2]) -> Option<f64>,
+) -> CutMesh {
+    let frames = Frames::new(mesh, geometry);
+    let place = |e: EdgeId| place(mesh.edge_vertices(e)).unwrap_or(0.5);
+    Cut::of_labels(mesh, &frames, labels, place).refine(mesh, &frames)
 }
 
 /// Empties the lookup that [`Cut::find`] filled.

@@ -1,0 +1,91 @@
+//! Reading `cut.json` back.
+
+use serde::Deserialize;
+
+use super::document::Document;
+use super::layout::Layout;
+use super::text::Problem;
+use crate::mesh::{CutMesh, VertexId};
+use crate::methods::cutflow::labelled_cut;
+use crate::pattern::{self, CutSurface};
+
+#[derive(Deserialize)]
+struct CutFile {
+    cutflow_cut: u32,
+    vertices: usize,
+    points: Vec<Point>,
+    vertex_labels: Vec<Option<u32>>,
+}
+
+#[derive(Deserialize)]
+struct Point {
+    edge: Option<[usize; 2]>,
+    t: Option<f64>,
+}
+
+/// The cut that a `cut.json` describes, on the mesh that it was made for. Cuts that only turned patches into disks are
+/// not part of it: they are made again.
+pub fn cut_from_json(document: &Document, name: &str, bytes: &[u8]) -> Result<CutMesh, Problem> {
+    let wrong = |what: String| {
+        Problem::new(what, format!("{name}."), "Use a cut.json that was written for this very mesh.")
+    };
+    let file: CutFile = serde_json::from_slice(bytes)
+        .map_err(|error| wrong(format!("This is no cut file: {error}.")))?;
+    if file.cutflow_cut != 1 {
+        return Err(Problem::new(
+            format!("The cut file has version {}; version 1 is understood.", file.cutflow_cut),
+            format!("{name}."),
+            "Update Cutflow, or write the cut again with this version.",
+        ));
+    }
+    let vertices = document.soup.positions.len();
+    if file.vertices != vertices || file.vertex_labels.len() != vertices {
+        let count = file.vertices;
+        return Err(wrong(format!("The cut is of a mesh of {count} vertices, this one has {vertices}.")));
+    }
+    let labels: Vec<u32> = document
+        .soup_vertices
+        .iter()
+        .map(|&v| {
+            file.vertex_labels[v as usize].ok_or_else(|| wrong(format!("Vertex {v} has no label.")))
+        })
+        .collect::<Result<_, _>>()?;
+    let mut crossings: Vec<([VertexId; 2], f64)> = Vec::new();
+    for point in &file.points {
+        let (Some([a, b]), Some(t)) = (point.edge, point.t) else { continue };
+        let (Some(a), Some(b)) = (document.mesh_vertex(a), document.mesh_vertex(b)) else {
+            return Err(wrong(format!("There is no edge from vertex {a} to vertex {b}.")));
+        };
+        if !(t > 0.0 && t < 1.0) {
+            return Err(wrong(format!("The place {t} on the edge from {} to {} is out of range.", a.0, b.0)));
+        }
+        crossings.push(if a < b { ([a, b], t) } else { ([b, a], 1.0 - t) });
+    }
+    crossings.sort_by_key(|(ends, _)| *ends);
+    let place = |ends: [VertexId; 2]| {
+        let sorted = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        let found = crossings.binary_search_by_key(&sorted, |(ends, _)| *ends).ok()?;
+        let t = crossings[found].1;
+        Some(if sorted == ends { t } else { 1.0 - t })
+    };
+    Ok(labelled_cut(&document.mesh, &document.geometry, &labels, place))
+}
+
+/// Flattens a document along a cut, or along cuts to disks only. **Gives** the layout and the bytes of `uv.obj`.
+pub fn document_layout(
+    document: &Document,
+    cut: Option<CutMesh>,
+) -> Result<(Layout, Vec<u8>), Problem> {
+    let cut = cut.unwrap_or_else(|| CutMesh::uncut(&document.mesh));
+    let layout = Layout::full(document, cut, None)
+        .map_err(|error| Problem::solve(&document.name, &error))?;
+    let surface = CutSurface {
+        soup: &document.soup,
+        soup_vertices: &document.soup_vertices,
+        mesh: &document.mesh,
+        cut: &layout.cut,
+        opened: &layout.opened,
+    };
+    let bytes = pattern::uv_obj(&surface, &layout.charts, 1.0 / document.frame.scale);
+    Ok((layout, bytes))
+}
