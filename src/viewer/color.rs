@@ -183,6 +183,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "exact by construction")]
     fn values_are_placed_on_the_ramp_and_nan_beside_it() {
         assert_eq!(place_on_ramp(0.0, [-2.0, 2.0]), 0.5);
         assert_eq!(place_on_ramp(9.0, [-2.0, 2.0]), 1.0);

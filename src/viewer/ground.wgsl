@@ -18,8 +18,7 @@ fn ground_vertex(@builtin(vertex_index) index: u32) -> Corner {
 fn ground_fragment(corner: Corner) -> @location(0) vec4f {
     let darkness = textureSampleLevel(shadow, smooth_sampler, corner.place, 0.0).r;
     // Nothing may end at the edge of the view.
-    let size = frame.viewport.xy;
-    let room = min(min(corner.clip.x, size.x - corner.clip.x), min(corner.clip.y, size.y - corner.clip.y));
-    let inside = smoothstep(0.0, 0.1 * min(size.x, size.y), room);
+    let room = min(corner.clip.xy, frame.viewport.xy - corner.clip.xy) / frame.viewport.xy;
+    let inside = smoothstep(0.0, 0.2, room.x) * smoothstep(0.0, 0.12, room.y);
     return vec4f(0.0, 0.0, 0.0, darkness * frame.ground.z * frame.ground.w * inside);
 }

@@ -15,6 +15,11 @@
 //! compute, no wide lines); nothing uploaded that has not changed; no panic for any scene, a broken
 //! one is refused. Not guaranteed: order of blending among ribbons that cross on the screen.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "numbers become bytes and cells, where `as` saturates; scenes count in u32"
+)]
+
 pub mod arrays;
 pub mod camera;
 #[cfg(target_arch = "wasm32")]

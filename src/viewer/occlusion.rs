@@ -241,6 +241,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "exact by construction")]
     fn averaging_keeps_the_mean() {
         let fine = fill(&unit_ball(3, 0));
         let coarse = fine.halved();

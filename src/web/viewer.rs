@@ -1,5 +1,7 @@
 //! The viewer for JavaScript: a thin skin over [`viewer`](crate::viewer).
 
+#![expect(clippy::cast_possible_truncation, reason = "JavaScript has f64 alone; `as` saturates")]
+
 use crate::session::scene::{FieldScene, PatchScene, Scene};
 use crate::viewer::camera::Viewport;
 use crate::viewer::canvas::{Backend, Canvas};
