@@ -79,7 +79,7 @@ export class EngineClient {
     return this.#request({ type: "open", name: source.name, bytes: copy }, [copy], source);
   }
 
-  /** The file of an export item: `{ file }` or `{ refusal }`. */
+  /** The file of an export item, as `file` of the answer; without one an error event has said why. */
   exportFile(kind) {
     return this.#request({ type: "export", kind });
   }

@@ -248,9 +248,8 @@ async function save(kind) {
     else say("There is no picture yet.");
     return;
   }
-  const { file, refusal } = await client.exportFile(kind);
-  if (refusal) error.show(refusal);
-  else download(file.name, new Blob([file.bytes], { type: file.mime }));
+  const { file } = await client.exportFile(kind);
+  if (file) download(file.name, new Blob([file.bytes], { type: file.mime }));
 }
 
 function tipFor(patch) {

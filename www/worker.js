@@ -32,13 +32,13 @@ function answer(request) {
       offerScene();
       return;
     case "command":
-      reply(request.id, { events: engine.handle(request.command) });
+      reply(request.id, refusable(() => ({ events: engine.handle(request.command) })));
       break;
     case "open":
       reply(request.id, { events: engine.open(request.name, new Uint8Array(request.bytes)) });
       break;
     case "export":
-      exportFile(request);
+      reply(request.id, refusable(() => ({ events: [], file: engine.export_file(request.kind) })));
       break;
   }
   offerScene();
@@ -58,20 +58,19 @@ function slice() {
   next.port2.postMessage(null);
 }
 
-function exportFile({ id, kind }) {
+// A refusal has three parts and is an answer; anything else that is thrown means that the engine is broken.
+function refusable(work) {
   try {
-    const file = engine.export_file(kind);
-    self.postMessage({ type: "reply", id, events: [], file }, [file.bytes.buffer]);
+    return work();
   } catch (error) {
-    // A refusal has three parts and is an answer; anything else means that the engine is broken.
     if (typeof error?.what !== "string") throw error;
     const { what, where, what_to_do } = error;
-    reply(id, { events: [], refusal: { what, where, what_to_do } });
+    return { events: [{ type: "error", what, where, what_to_do, shows_rejected_mesh: false }] };
   }
 }
 
 function reply(id, content) {
-  self.postMessage({ type: "reply", id, ...content });
+  self.postMessage({ type: "reply", id, ...content }, content.file ? [content.file.bytes.buffer] : []);
 }
 
 function offerScene() {
