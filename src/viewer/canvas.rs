@@ -78,8 +78,8 @@ impl Backend {
                 let surfaces =
                     (create_surface(&instance, &surface)?, create_surface(&instance, &flat)?);
                 Ok([
-                    Canvas::new(surface, View::Surface, surfaces.0, gpu.clone())?,
-                    Canvas::new(flat, View::Flat, surfaces.1, gpu)?,
+                    Canvas::new(None, View::Surface, surfaces.0, gpu.clone())?,
+                    Canvas::new(None, View::Flat, surfaces.1, gpu)?,
                 ])
             }
             Self::WebGl2 => Ok([
@@ -111,7 +111,8 @@ struct Gpu {
 /// One view's canvas.
 #[derive(Debug)]
 pub struct Canvas {
-    element: HtmlCanvasElement,
+    /// Under WebGL2, where wgpu does not say that a context is lost.
+    context: Option<WebGl2RenderingContext>,
     view: View,
     surface: wgpu::Surface<'static>,
     gpu: Gpu,
@@ -125,11 +126,11 @@ impl Canvas {
         let instance = Backend::WebGl2.instance();
         let surface = create_surface(&instance, &element)?;
         let gpu = open(&instance, Backend::WebGl2, Some(&surface)).await?;
-        Self::new(element, view, surface, gpu)
+        Self::new(webgl2_context(&element), view, surface, gpu)
     }
 
     fn new(
-        element: HtmlCanvasElement,
+        context: Option<WebGl2RenderingContext>,
         view: View,
         surface: wgpu::Surface<'static>,
         gpu: Gpu,
@@ -142,7 +143,7 @@ impl Canvas {
         let can_resolve = features.contains(wgpu::TextureFormatFeatureFlags::MULTISAMPLE_RESOLVE);
         let samples = if can_resolve && features.sample_count_supported(4) { 4 } else { 1 };
         let painter = Painter::new(gpu.device.clone(), gpu.queue.clone(), view, format, samples);
-        Ok(Self { element, view, surface, gpu, format, painter, configured: UVec2::ZERO })
+        Ok(Self { context, view, surface, gpu, format, painter, configured: UVec2::ZERO })
     }
 
     /// Draws the stage if it has changed; true if it did.
@@ -174,8 +175,7 @@ impl Canvas {
     /// Whether the device, or the context that it is, has gone.
     pub fn is_lost(&self) -> bool {
         self.gpu.is_lost.load(Ordering::Relaxed)
-            || (self.gpu.adapter.get_info().backend == wgpu::Backend::Gl
-                && webgl2_context(&self.element).is_none_or(|context| context.is_context_lost()))
+            || self.context.as_ref().is_some_and(WebGl2RenderingContext::is_context_lost)
     }
 
     /// In device pixels, within what the device can do.
