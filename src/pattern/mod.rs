@@ -12,6 +12,7 @@
 //! seam are equally long in the plane (both lengths are at hand; the difference is the ease).
 
 mod json;
+mod labels;
 mod number;
 mod obj;
 mod piece;

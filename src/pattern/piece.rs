@@ -261,19 +261,21 @@ impl Piece {
         }
     }
 
+    /// Whether a point lies within the outlines (even–odd).
+    pub(super) fn contains(&self, p: [f64; 2]) -> bool {
+        let sides = self.outlines.iter().flat_map(Outline::sides);
+        let crossed = sides.filter(|(a, b)| {
+            (a[1] > p[1]) != (b[1] > p[1])
+                && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        });
+        crossed.count() % 2 == 1
+    }
+
     /// Signed distance to the outlines, positive inside.
     fn distance(&self, p: [f64; 2]) -> f64 {
-        let mut is_inside = false;
-        let mut nearest = f64::INFINITY;
-        for (a, b) in self.outlines.iter().flat_map(Outline::sides) {
-            if (a[1] > p[1]) != (b[1] > p[1])
-                && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-            {
-                is_inside = !is_inside;
-            }
-            nearest = nearest.min(squared_distance(p, a, b));
-        }
-        if is_inside { nearest.sqrt() } else { -nearest.sqrt() }
+        let sides = self.outlines.iter().flat_map(Outline::sides);
+        let nearest = sides.map(|(a, b)| squared_distance(p, a, b)).fold(f64::INFINITY, f64::min);
+        if self.contains(p) { nearest.sqrt() } else { -nearest.sqrt() }
     }
 
     /// Finds the pole of inaccessibility by a best-first search over squares, to a hundredth of the piece's width.

@@ -1,8 +1,9 @@
 //! What is drawn of a pattern: lines and texts in layers, the same for every drawing format.
 
+use super::labels::{Labels, text_width, unit};
 use super::number::millimetre_text;
 use super::piece::{Pattern, Piece, length};
-use super::seam::Seam;
+use super::seam::Partner;
 
 /// A kind of line or text; drawing programs show or hide each as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -87,14 +88,8 @@ impl Default for SheetParams {
 const SQUARE: f64 = 50.0;
 /// Between the pieces and what stands below them.
 const GAP: f64 = 10.0;
-/// Seam labels: as large as fits beside the seam, within what can be read and what does not crowd.
-const SEAM_TEXT: [f64; 2] = [2.0, 3.0];
 /// Length of the ticks where seams end.
 const TICK: f64 = 2.0;
-/// Width of a character over the height of capitals, generously: fonts differ.
-const CHARACTER: f64 = 0.8;
-/// Between a seam and its label.
-const LABEL_GAP: f64 = 1.2;
 
 impl Sheet {
     /// Lays out title, control square, names and seam labels around the pieces.
@@ -138,35 +133,26 @@ impl Sheet {
             let points = tick(&piece.outlines[outline].points, point);
             self.lines.push(line(Layer::Seams, format!("{name}-tick-{}", k + 1), false, points));
         }
-        let mut text = |layer, id, seam, at, height, text| {
+        let mut text = |layer, id, seam, (at, height), text| {
             let piece = Some(index);
             self.texts.push(Text { layer, id, piece, seam, at, is_left: false, height, text });
         };
+        let mut labels = Labels::new(piece);
+        let mut lines =
+            vec![name.clone(), format!("{}/{}", piece.patch + 1, self.pattern.patch_count)];
+        if piece.crossings > 0 {
+            lines.push("outline crosses itself".to_owned());
+        }
+        let places = labels.place_name(&lines);
+        for ((line, place), id) in lines.into_iter().zip(places).zip(["name", "number", "warning"])
+        {
+            text(Layer::Labels, format!("{name}-{id}"), None, place, line);
+        }
         for (k, seam) in piece.seams.iter().enumerate() {
             let label = piece.seam_label(seam);
-            let (at, height) = seam_label_place(piece, seam, &label);
-            let second = matches!(seam.partner, super::Partner::Own { is_second: true });
-            let id = format!("{name}-seam-{}{}", seam.number, if second { "-b" } else { "" });
-            text(Layer::Seams, id, Some(k), at, height, label);
-        }
-        let height = (0.4 * piece.room_mm).clamp(2.5, 10.0);
-        let small = (0.4 * height).max(2.0);
-        let [x, y] = piece.centre;
-        text(
-            Layer::Labels,
-            format!("{name}-name"),
-            None,
-            [x, y + 0.3 * height],
-            height,
-            name.clone(),
-        );
-        let number = format!("{}/{}", piece.patch + 1, self.pattern.patch_count);
-        let y = y - 0.3 * height - small;
-        text(Layer::Labels, format!("{name}-number"), None, [x, y], small, number);
-        if piece.crossings > 0 {
-            let warning = "outline crosses itself".to_owned();
-            let at = [x, y - 1.5 * small];
-            text(Layer::Labels, format!("{name}-warning"), None, at, small, warning);
+            let is_second = seam.partner == Partner::Own { is_second: true };
+            let id = format!("{name}-seam-{}{}", seam.number, if is_second { "-b" } else { "" });
+            text(Layer::Seams, id, Some(k), labels.place_beside(seam, &label), label);
         }
     }
 
@@ -232,10 +218,6 @@ fn footer(pattern: &Pattern, params: &SheetParams) -> Vec<(String, f64)> {
     lines
 }
 
-fn text_width(text: &str, height: f64) -> f64 {
-    CHARACTER * height * text.chars().count() as f64
-}
-
 /// Outline and point of every end of a seam, and the beginnings of closed seams.
 fn seam_ends(piece: &Piece) -> Vec<(usize, usize)> {
     let mut ends = Vec::new();
@@ -265,41 +247,4 @@ fn tick(points: &[[f64; 2]], at: usize) -> Vec<[f64; 2]> {
     let size = sum[0].hypot(sum[1]);
     let [x, y] = if size > 1e-6 { sum.map(|s| s / size) } else { into };
     vec![p, [p[0] + TICK * x, p[1] + TICK * y]]
-}
-
-/// Where a seam's label stands, beside the middle of the seam inside the piece, and how large.
-fn seam_label_place(piece: &Piece, seam: &Seam, label: &str) -> ([f64; 2], f64) {
-    let points = piece.seam_points(seam);
-    let [smallest, largest] = SEAM_TEXT;
-    let height = (seam.length_mm / text_width(label, 1.0)).clamp(smallest, largest);
-    let width = text_width(label, height);
-    // The direction of the seam over the width of the text, not that of one small side.
-    let middle = 0.5 * seam.length_mm;
-    let [before, at, after] =
-        [middle - 0.5 * width, middle, middle + 0.5 * width].map(|s| point_along(&points, s));
-    let [dx, dy] = unit(before, after);
-    let normal = [-dy, dx];
-    // As far inside as the upright box of the text reaches back, and a little more.
-    let reach = 0.5 * (width * normal[0].abs() + height * normal[1].abs());
-    ([0, 1].map(|a| at[a] + (reach + LABEL_GAP) * normal[a]), height)
-}
-
-/// The point of a polyline at an arc length, its ends beyond them.
-fn point_along(points: &[[f64; 2]], arc_length: f64) -> [f64; 2] {
-    let mut rest = arc_length;
-    for side in points.windows(2) {
-        let step = length(side);
-        if rest <= step {
-            let t = if step > 0.0 { (rest / step).max(0.0) } else { 0.0 };
-            return [0, 1].map(|a| side[0][a] + t * (side[1][a] - side[0][a]));
-        }
-        rest -= step;
-    }
-    points[points.len() - 1]
-}
-
-fn unit(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
-    let d = [to[0] - from[0], to[1] - from[1]];
-    let size = d[0].hypot(d[1]);
-    if size > 0.0 { d.map(|x| x / size) } else { [1.0, 0.0] }
 }
