@@ -6,8 +6,10 @@ use anyhow::{Context, Result};
 
 /// The folder of the top-level Cargo.toml.
 pub fn root() -> PathBuf {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent().unwrap_or(here).to_path_buf()
+    // `cargo run` says where it is now; where this was compiled may be another checkout that shares its target folder.
+    let here = std::env::var("CARGO_MANIFEST_DIR");
+    let here = PathBuf::from(here.as_deref().unwrap_or(env!("CARGO_MANIFEST_DIR")));
+    here.parent().unwrap_or(&here).to_path_buf()
 }
 
 /// Where native builds go: what cargo itself would use.
