@@ -1,15 +1,16 @@
 //! Cuts that turn every patch of a cut surface into a disk.
 //!
 //! Let S be a patch: a connected surface with boundary ∂S. A graph G of interior edges *cuts S to a disk* when S opened along
-//! G is one, which is so if and only if G ∪ ∂S is connected and the faces, joined across all other interior edges, hang
-//! together without a cycle: their dual graph is a tree. Looked for is a short G.
+//! G is one. Two trees give such a graph: T, of edges, reaches every interior vertex from ∂S; C joins all faces across edges
+//! that are not in T. Opened along everything that C does not cross, S is faces glued along a tree: a disk. It remains one when
+//! branches of T that end inside are sewn up again. What is left are 1 − χ(S) edges in neither tree and the paths
+//! in T from their ends to ∂S. Looked for is a short G.
 //!
-//! * **Boundary**: the greedy system of arcs. T is the forest of shortest paths from ∂S to all interior vertices, d the length
-//!   of these paths. Each interior edge uv off T closes an arc path(u) + uv + path(v) of length d(u) + |uv| + d(v). A maximum
-//!   spanning tree of the dual graph without T keeps the long arcs closed; exactly 1 − χ(S) edges are left, and the union
-//!   of their arcs is G. Taken one by one these are the shortest arcs that leave S connected.
-//! * **No boundary, handles**: the same from one vertex instead of ∂S (greedy system of loops, 2g of them); what then hangs
-//!   out of the graph is cut off again. Several base vertices are tried.
+//! * **Boundary**: the greedy system of arcs. T is the forest of shortest paths from ∂S, of length d. An edge uv off T closes the arc
+//!   path(u) + uv + path(v) of length d(u) + |uv| + d(v). C is a maximum spanning tree by that length, so the arcs left are,
+//!   taken one by one, the shortest that leave S connected.
+//! * **No boundary, handles**: the same from one vertex instead of ∂S (greedy system of loops, 2g of them). The path from that
+//!   vertex may end inside and is sewn up too. Several base vertices are tried.
 //! * **Sphere**: a path between two far vertices.
 //!
 //! Arcs share edges and G is not the shortest graph (finding that is NP-hard). Where there are handles each stretch of G

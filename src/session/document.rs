@@ -184,6 +184,15 @@ impl Document {
         self.soup_vertices.binary_search(&wanted).ok().map(VertexId::from)
     }
 
+    /// The mesh's vertex of a vertex of the file, or of the next one that a face uses.
+    pub fn mesh_vertex_from(&self, soup_vertex: usize) -> Option<VertexId> {
+        if soup_vertex >= self.soup.positions.len() {
+            return None;
+        }
+        let next = self.soup_vertices.partition_point(|&v| (v as usize) < soup_vertex);
+        Some(VertexId::from(next.min(self.soup_vertices.len() - 1)))
+    }
+
     /// Longest side of the bounding box, unit area.
     pub fn largest_side(&self) -> f64 {
         let mut low = Vector3::repeat(f64::INFINITY);

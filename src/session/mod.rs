@@ -603,9 +603,7 @@ impl Work {
             self.start = None;
             self.history.clear();
         }
-        let initial = self.settings.initial(&document.mesh, &document.geometry, |v| {
-            document.mesh_vertex(v)
-        })?;
+        let initial = self.settings.initial(&document)?;
         let mut flow = CutFlow::new(
             document.mesh.clone(),
             document.geometry.clone(),
@@ -843,8 +841,7 @@ impl Work {
 
 /// Whether the parameters give a usable initial cut.
 fn check_start(document: &Document, settings: &Settings) -> Result<(), Problem> {
-    let initial =
-        settings.initial(&document.mesh, &document.geometry, |v| document.mesh_vertex(v))?;
+    let initial = settings.initial(document)?;
     let start = initial_labels(&document.mesh, &document.geometry, &initial)
         .map_err(|error| Problem::solve(&document.name, &error))?;
     let is_cut = document.mesh.edges().any(|e| {

@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
+use super::document::Document;
 use super::message::{Choice, Condition, ParamKind, ParamSpec, Value};
 use super::text::Problem;
-use crate::geometry::Geometry;
-use crate::mesh::{Mesh, VertexId};
 use crate::methods::cutflow::{CutFlowParams, Initial, Weights};
 
 /// Values of all parameters of the cut flow.
@@ -126,7 +125,7 @@ pub fn specs() -> Vec<ParamSpec> {
             "Where the plane cuts its axis: 0 is the middle of the model, ±50 its ends.")
             .group(start).only_if("init", &["plane"]),
         number("vertex", "Centre vertex", "", "", [0.0, 1e7, 1.0], 0.0,
-            "The vertex that the circle is drawn around, counted from 0 in the file's order.")
+            "The vertex that the circle is drawn around, counted from 0 in the file's order; the next one if no face uses it.")
             .group(start).integer().only_if("init", &["circle"]),
         number("radius", "Radius", "", "√A", [0.02, 1.0, 0.01], 0.3,
             "Geodesic radius of the circle; 1 is the side of a square of the surface's area.")
@@ -177,9 +176,6 @@ impl Settings {
                 ("hencky", Value::Number(0.0)),
                 ("size", Value::Number(67.0)),
             ],
-            Some("torus") => {
-                &[("dirichlet", Value::Number(10.0)), ("hencky", Value::Number(0.0))]
-            }
             _ => &[],
         };
         if !two_regions.is_empty() {
@@ -292,13 +288,9 @@ impl Settings {
         }
     }
 
-    /// The initial cut on a surface. `mesh_vertex` finds the mesh's vertex of a vertex of the file.
-    pub fn initial(
-        &self,
-        mesh: &Mesh,
-        geometry: &Geometry,
-        mesh_vertex: impl Fn(usize) -> Option<VertexId>,
-    ) -> Result<Initial, Problem> {
+    /// The initial cut on a surface.
+    pub fn initial(&self, document: &Document) -> Result<Initial, Problem> {
+        let (mesh, geometry) = (&document.mesh, &document.geometry);
         Ok(match self.text("init") {
             "plane" => {
                 let axis = match self.text("axis") {
@@ -320,14 +312,12 @@ impl Settings {
             }
             "circle" => {
                 let wanted = self.number("vertex");
-                let Some(vertex) = mesh_vertex(wanted as usize) else {
+                let Some(vertex) = document.mesh_vertex_from(wanted as usize) else {
+                    let count = document.soup.positions.len();
                     return Err(Problem::new(
-                        format!("Vertex {wanted} is not part of the surface."),
+                        format!("There is no vertex {wanted}: the mesh has {count}."),
                         "Centre vertex of the initial circle.",
-                        format!(
-                            "Choose a vertex that a face uses, below {}.",
-                            mesh.vertex_count()
-                        ),
+                        format!("Choose a number from 0 to {}.", count - 1),
                     ));
                 };
                 Initial::Circle { vertex, radius: self.number("radius") }

@@ -1,6 +1,11 @@
 //! The integration tests, one binary.
 
 mod cutgraphs;
+mod cutting;
 mod flattening;
+mod measuring;
 mod patterns;
 mod reading;
+mod scripts;
+mod surfaces;
+mod tidy;

@@ -278,7 +278,7 @@ impl Cut {
             }
             let Some(crossed) = next_crossed.next() else { continue };
             let points = self.face_points(mesh, frames, crossed);
-            for triangle in points.triangles(crossed.lone) {
+            for (triangle, _) in points.triangles(crossed.lone) {
                 result.triangles.push(triangle.map(|corner| match corner {
                     Corner::Vertex(i) => vertices[i].0,
                     Corner::Side(i) => base + crossed.crossings[i],
@@ -318,20 +318,19 @@ impl FacePoints {
         }
     }
 
+    /// Area of a sub-triangle.
+    pub fn area(&self, triangle: [Corner; 3]) -> f64 {
+        let [a, b, c] = triangle.map(|corner| self.at(corner));
+        0.5 * (b - a).perp(&(c - a))
+    }
+
     /// The sub-triangles of a crossed face, counter-clockwise. The quadrilateral of a face with two labels is split by its
-    /// Delaunay diagonal, which gives it the smallest Dirichlet energy and keeps J continuous as the diagonal changes.
+    /// Delaunay diagonal: of the two that gives the smaller Dirichlet energy, which is continuous where the diagonal changes.
     pub fn triangles(&self, lone: u8) -> SubTriangles {
-        use Corner::{Centre, Side, Vertex};
         if lone == 3 {
-            let mut all = [[Centre; 3]; 6];
-            for a in 0..3 {
-                all[2 * a] = [Vertex(a), Side(a), Centre];
-                all[2 * a + 1] = [Vertex(a), Centre, Side((a + 2) % 3)];
-            }
-            return SubTriangles { all, count: 6, next: 0 };
+            return self.spokes();
         }
-        let a = lone as usize;
-        let (b, c, x, z) = ((a + 1) % 3, (a + 2) % 3, Side(a), Side((a + 2) % 3));
+        let (a, b, c, x, z) = around(lone);
         let (pb, pc, px, pz) = (self.corners[b], self.corners[c], self.at(x), self.at(z));
         // Angles at x and c face the diagonal b z; it is Delaunay if they sum to at most π.
         let turn = |o: Vector2<f64>, p: Vector2<f64>, q: Vector2<f64>| {
@@ -340,30 +339,66 @@ impl FacePoints {
         };
         let (cos_x, sin_x) = turn(px, pb, pz);
         let (cos_c, sin_c) = turn(pc, pz, pb);
-        let halves = if sin_x * cos_c + cos_x * sin_c >= 0.0 {
-            [[x, Vertex(b), z], [Vertex(b), Vertex(c), z]]
-        } else {
-            [[x, Vertex(b), Vertex(c)], [x, Vertex(c), z]]
-        };
-        let mut all = [[Vertex(a), x, z]; 6];
-        all[1] = halves[0];
-        all[2] = halves[1];
+        let [bz, xc] = halves(lone);
+        let quad = if sin_x * cos_c + cos_x * sin_c >= 0.0 { bz } else { xc };
+        let lone_triangle = [Corner::Vertex(a), x, z];
+        let mut all = [(lone_triangle, 1.0); 6];
+        all[1].0 = quad[0];
+        all[2].0 = quad[1];
         SubTriangles { all, count: 3, next: 0 }
+    }
+
+    /// Triangles with weights for integrals of u and u²: the mean over both diagonals of the quadrilateral. With one diagonal
+    /// alone these integrals, and J with them, would jump where the diagonal changes.
+    pub fn weighted_triangles(&self, lone: u8) -> SubTriangles {
+        if lone == 3 {
+            return self.spokes();
+        }
+        let (a, _, _, x, z) = around(lone);
+        let mut all = [([Corner::Vertex(a), x, z], 1.0); 6];
+        for (i, triangle) in halves(lone).into_iter().flatten().enumerate() {
+            all[1 + i] = (triangle, 0.5);
+        }
+        SubTriangles { all, count: 5, next: 0 }
+    }
+
+    /// The six triangles around a triple point.
+    fn spokes(&self) -> SubTriangles {
+        use Corner::{Centre, Side, Vertex};
+        let mut all = [([Centre; 3], 1.0); 6];
+        for a in 0..3 {
+            all[2 * a].0 = [Vertex(a), Side(a), Centre];
+            all[2 * a + 1].0 = [Vertex(a), Centre, Side((a + 2) % 3)];
+        }
+        SubTriangles { all, count: 6, next: 0 }
     }
 }
 
-/// Three or six sub-triangles, without allocation.
+/// The lone corner, the two others counter-clockwise, and the crossings on the sides after and before it.
+fn around(lone: u8) -> (usize, usize, usize, Corner, Corner) {
+    let a = lone as usize;
+    (a, (a + 1) % 3, (a + 2) % 3, Corner::Side(a), Corner::Side((a + 2) % 3))
+}
+
+/// The two ways to split the quadrilateral x b c z: by b z and by x c.
+fn halves(lone: u8) -> [[[Corner; 3]; 2]; 2] {
+    let (_, b, c, x, z) = around(lone);
+    let (b, c) = (Corner::Vertex(b), Corner::Vertex(c));
+    [[[x, b, z], [b, c, z]], [[x, b, c], [x, c, z]]]
+}
+
+/// Up to six sub-triangles with their weights, without allocation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubTriangles {
-    all: [[Corner; 3]; 6],
+    all: [([Corner; 3], f64); 6],
     count: usize,
     next: usize,
 }
 
 impl Iterator for SubTriangles {
-    type Item = [Corner; 3];
+    type Item = ([Corner; 3], f64);
 
-    fn next(&mut self) -> Option<[Corner; 3]> {
+    fn next(&mut self) -> Option<Self::Item> {
         let item = (self.next < self.count).then(|| self.all[self.next]);
         self.next += 1;
         item

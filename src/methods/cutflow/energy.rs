@@ -157,7 +157,17 @@ impl Problem {
                 }
             }
             let points = cut.face_points(&self.mesh, &self.frames, crossed);
-            for triangle in points.triangles(crossed.lone) {
+            for (triangle, weight) in points.weighted_triangles(crossed.lone) {
+                let share = weight * curvature * points.area(triangle) / 3.0;
+                for corner in triangle {
+                    if let Corner::Vertex(i) = corner
+                        && free[i]
+                    {
+                        rhs[vertices[i].index()] -= share;
+                    }
+                }
+            }
+            for (triangle, _) in points.triangles(crossed.lone) {
                 let element = Element::new(&points, triangle);
                 for (a, corner) in triangle.into_iter().enumerate() {
                     let Corner::Vertex(i) = corner else { continue };
@@ -165,7 +175,6 @@ impl Problem {
                         continue;
                     }
                     values[pattern.diagonal(vertices[i].index())] += element.stiffness(a, a);
-                    rhs[vertices[i].index()] -= curvature * element.area / 3.0;
                     let b = (a + 1) % 3;
                     if let Corner::Vertex(j) = triangle[b]
                         && free[j]
@@ -183,7 +192,7 @@ impl Problem {
         }
     }
 
-    /// Calls `visit` for every (sub-)triangle with its area and the values of u at its corners (0 on the cut); corners that
+    /// Calls `visit` for every (sub-)triangle with its weighted area and the values of u at its corners (0 on the cut); corners that
     /// are vertices come with their id.
     fn for_elements(
         &self,
@@ -204,13 +213,13 @@ impl Problem {
             }
             let Some(crossed) = next_crossed.next() else { continue };
             let points = cut.face_points(&self.mesh, &self.frames, crossed);
-            for triangle in points.triangles(crossed.lone) {
+            for (triangle, weight) in points.weighted_triangles(crossed.lone) {
                 let at = triangle.map(|corner| match corner {
                     Corner::Vertex(i) => Some(vertices[i]),
                     _ => None,
                 });
                 visit(
-                    Element::new(&points, triangle).area,
+                    weight * points.area(triangle),
                     at.map(|v| v.map_or(0.0, |v| u[v.index()])),
                     at,
                 );
@@ -286,29 +295,32 @@ impl Problem {
             let points = cut.face_points(&self.mesh, &self.frames, crossed);
             let mut side_forces = [Vector2::zeros(); 3];
             let mut centre_force = Vector2::zeros();
-            for triangle in points.triangles(crossed.lone) {
-                if inert {
-                    break;
-                }
-                let element = Element::new(&points, triangle);
-                let value = |field: &[f64]| {
-                    triangle.map(|corner| match corner {
-                        Corner::Vertex(i) => field[vertices[i].index()],
-                        _ => 0.0,
-                    })
-                };
-                let pulls = element.corner_forces(
-                    value(u),
-                    value(&adjoint),
-                    weights,
-                    self.face_curvatures[crossed.face.index()],
-                );
-                for (corner, pull) in triangle.into_iter().zip(pulls) {
+            let mut pull = |triangle: [Corner; 3], forces: [Vector2<f64>; 3]| {
+                for (corner, force) in triangle.into_iter().zip(forces) {
                     match corner {
                         Corner::Vertex(_) => {}
-                        Corner::Side(i) => side_forces[i] += pull,
-                        Corner::Centre => centre_force += pull,
+                        Corner::Side(i) => side_forces[i] += force,
+                        Corner::Centre => centre_force += force,
                     }
+                }
+            };
+            let value = |field: &[f64], triangle: [Corner; 3]| {
+                triangle.map(|corner| match corner {
+                    Corner::Vertex(i) => field[vertices[i].index()],
+                    _ => 0.0,
+                })
+            };
+            if !inert {
+                for (triangle, _) in points.triangles(crossed.lone) {
+                    let element = Element::new(&points, triangle);
+                    let (u, q) = (value(u, triangle), value(&adjoint, triangle));
+                    pull(triangle, element.stiffness_forces(u, q, weights.dirichlet));
+                }
+                let curvature = self.face_curvatures[crossed.face.index()];
+                for (triangle, weight) in points.weighted_triangles(crossed.lone) {
+                    let element = Element::new(&points, triangle);
+                    let (u, q) = (value(u, triangle), value(&adjoint, triangle));
+                    pull(triangle, element.mass_forces(u, q, weights.hencky, curvature, weight));
                 }
             }
             self.add_length_forces(crossed, &points, weights.length, &mut side_forces, &mut centre_force);
@@ -409,27 +421,32 @@ impl Element {
         self.area * self.gradients[a].dot(&self.gradients[b])
     }
 
-    /// Derivative of the Lagrangian's part on this triangle with respect to the places of its corners.
-    fn corner_forces(
-        &self,
-        u: [f64; 3],
-        q: [f64; 3],
-        weights: &Weights,
-        curvature: f64,
-    ) -> [Vector2<f64>; 3] {
+    /// Derivative of w_D ∫|∇u|² − ∫∇q·∇u with respect to the places of the corners.
+    fn stiffness_forces(&self, u: [f64; 3], q: [f64; 3], weight: f64) -> [Vector2<f64>; 3] {
         let gradient = |values: [f64; 3]| {
             self.gradients[0] * values[0] + self.gradients[1] * values[1] + self.gradients[2] * values[2]
         };
         let (du, dq) = (gradient(u), gradient(q));
-        let sum_u: f64 = u.iter().sum();
-        let square = (sum_u * sum_u + u.iter().map(|u| u * u).sum::<f64>()) / 12.0;
-        let pressure = weights.hencky * square - curvature / 3.0 * q.iter().sum::<f64>();
-        [0, 1, 2].map(|k| {
-            let hat = self.gradients[k];
+        self.gradients.map(|hat| {
             let d = |a: Vector2<f64>, b: Vector2<f64>| {
                 a.dot(&b) * hat - hat.dot(&b) * a - hat.dot(&a) * b
             };
-            self.area * (weights.dirichlet * d(du, du) - d(dq, du) + pressure * hat)
+            self.area * (weight * d(du, du) - d(dq, du))
         })
+    }
+
+    /// Derivative of `share` · (w_H ∫u² − K ∫q) with respect to the places of the corners.
+    fn mass_forces(
+        &self,
+        u: [f64; 3],
+        q: [f64; 3],
+        weight: f64,
+        curvature: f64,
+        share: f64,
+    ) -> [Vector2<f64>; 3] {
+        let sum: f64 = u.iter().sum();
+        let square = (sum * sum + u.iter().map(|u| u * u).sum::<f64>()) / 12.0;
+        let pressure = weight * square - curvature / 3.0 * q.iter().sum::<f64>();
+        self.gradients.map(|hat| share * self.area * pressure * hat)
     }
 }

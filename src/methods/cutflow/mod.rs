@@ -147,6 +147,8 @@ struct Progress {
     /// Step length that the next steepest-descent search starts with; 0 for the cap.
     scale: f64,
     failures: usize,
+    /// Decrease of J that the last direction promised for a step of full length.
+    promise: f64,
     memory: Memory,
     /// J after every step, for the test of convergence.
     history: Vec<f64>,
@@ -433,6 +435,7 @@ impl CutFlow {
 
     /// One descent step from the current state to a J below `ceiling`.
     fn descend(&mut self, ceiling: f64) -> Result<bool, SolveError> {
+        self.progress.promise = 0.0;
         if self.state.cut.crossings.is_empty() {
             return Ok(false);
         }
@@ -479,6 +482,7 @@ impl CutFlow {
             capped
         };
         let start = self.state.solution.energy.total;
+        self.progress.promise = -slope * capped;
         for _ in 0..TRIALS {
             if let Some((levels, cut, solution)) = self.try_move(&direction, scale)? {
                 let total = solution.energy.total;
@@ -566,7 +570,10 @@ impl Flow for CutFlow {
                 }
             }
         } else {
-            self.status = Status::Stalled;
+            // Nothing to gain in any direction is an end like the other; a promise that no step keeps is not.
+            let total = self.state.solution.energy.total;
+            let is_flat = self.progress.promise <= self.params.tolerance * total.abs();
+            self.status = if is_flat { Status::Converged } else { Status::Stalled };
         }
         Ok(self.report())
     }

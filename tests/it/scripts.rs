@@ -1,0 +1,251 @@
+//! Sessions driven by commands, as page and command line drive them.
+
+use cutflow::mesh::obj;
+use cutflow::session::{Command, Event, Session, Value};
+
+fn errors(events: &[Event]) -> Vec<String> {
+    events
+        .iter()
+        .filter_map(|event| match event {
+            Event::Error { what, place, what_to_do, .. } => {
+                assert!(!what.is_empty() && !place.is_empty() && !what_to_do.is_empty());
+                Some(what.clone())
+            }
+            _ => None,
+        })
+        .collect()
+}
+
+fn status(events: &[Event]) -> String {
+    let texts = events.iter().filter_map(|event| match event {
+        Event::Status { text, .. } => Some(text.clone()),
+        _ => None,
+    });
+    texts.last().unwrap()
+}
+
+/// The last table of measures: the value now of a row.
+fn measure(events: &[Event], label: &str) -> f64 {
+    let rows = events.iter().filter_map(|event| match event {
+        Event::Measures { rows, .. } => Some(rows),
+        _ => None,
+    });
+    let row = rows.last().unwrap().iter().find(|row| row.label == label).unwrap();
+    row.now.unwrap()
+}
+
+fn set(session: &mut Session, id: &str, value: Value) -> Vec<Event> {
+    session.handle(Command::SetParameter { id: id.into(), value })
+}
+
+/// A small ball as the text of a file, with a vertex in front that no face uses.
+fn ball(n: u32) -> String {
+    let soup = cutflow::session::samples::icosphere(n);
+    let mut text = String::from("# a ball\nv 9 9 9\n");
+    for [x, y, z] in &soup.positions {
+        text += &format!("v {x} {y} {z}\n");
+    }
+    for i in 0..soup.polygon_count() {
+        let corners: Vec<String> = soup.polygon(i).iter().map(|v| (v + 2).to_string()).collect();
+        text += &format!("f {}\n", corners.join(" "));
+    }
+    text
+}
+
+#[test]
+fn open_run_pause_step_export() {
+    let mut session = Session::new();
+    let text = ball(10);
+    let events = session.open("ball.obj", text.as_bytes());
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert_eq!(status(&events), "Ready");
+    assert!(session.scene().is_some() && session.scene().is_none(), "a scene is taken once");
+
+    set(&mut session, "init", Value::Text("plane".into()));
+    set(&mut session, "dirichlet", Value::Number(10.0));
+    let events = set(&mut session, "hencky", Value::Number(0.0));
+    assert!(errors(&events).is_empty());
+    let start = session.history()[0].total;
+
+    let events = session.handle(Command::Run);
+    assert_eq!(status(&events), "Running step 0");
+    let mut slices = 5;
+    let events = session.advance(&mut || {
+        slices -= 1;
+        slices > 0
+    });
+    assert_eq!(status(&events), "Running step 5");
+    let preview = session.scene().unwrap();
+    assert!(preview.charts.iter().all(|x| x.is_finite()), "both halves are disks: live charts");
+
+    let events = session.handle(Command::Pause);
+    assert_eq!(status(&events), "Paused at step 5");
+    let events = session.handle(Command::Step);
+    assert_eq!(status(&events), "Paused at step 6");
+    assert!(session.history().last().unwrap().total < start);
+    assert_eq!(measure(&events, "Pieces"), 2.0);
+    assert_eq!(measure(&events, "Flipped triangles"), 0.0);
+    let length = session.history().last().unwrap().length;
+    assert!((measure(&events, "Cut length") - length).abs() < 1e-9);
+
+    // The file's vertices come back first, untouched, the unused one included.
+    let file = session.export("UV mesh (OBJ)").unwrap();
+    assert_eq!(file.name, "ball-uv.obj");
+    let (input, _) = obj::read(text.as_bytes()).unwrap();
+    let (output, notices) = obj::read(&file.bytes).unwrap();
+    assert!(notices.is_empty());
+    assert_eq!(output.positions[..input.positions.len()], input.positions[..]);
+    assert!(output.positions.len() > input.positions.len());
+    assert_eq!(output.texture_corners.len(), output.corners.len());
+    let svg = String::from_utf8(session.export("Pattern (SVG)").unwrap().bytes).unwrap();
+    assert!(svg.contains("mm\"") && svg.contains("viewBox"));
+    for kind in ["Cut curves (OBJ)", "Cut (JSON)", "Report (JSON)"] {
+        assert!(!session.export(kind).unwrap().bytes.is_empty());
+    }
+    assert!(session.export("Nothing (XYZ)").is_err());
+}
+
+#[test]
+fn the_same_script_gives_the_same_bytes() {
+    let run = || {
+        let mut session = Session::new();
+        session.handle(Command::OpenSample { name: "rounded_box".into() });
+        for _ in 0..4 {
+            session.handle(Command::Step);
+        }
+        ["UV mesh (OBJ)", "Pattern (SVG)", "Cut (JSON)", "Report (JSON)"]
+            .map(|kind| session.export(kind).unwrap().bytes)
+    };
+    assert_eq!(run(), run());
+}
+
+#[test]
+fn undo_and_redo_restore_parameters_and_cut() {
+    let mut session = Session::new();
+    session.open("ball.obj", ball(8).as_bytes());
+    set(&mut session, "init", Value::Text("plane".into()));
+    session.handle(Command::Step);
+    session.handle(Command::Step);
+    let labels = session.labels();
+    let rows = session.history().to_vec();
+    set(&mut session, "length", Value::Number(5.0));
+    session.handle(Command::Step);
+    assert_ne!(session.history(), rows);
+    session.handle(Command::Undo);
+    let events = session.handle(Command::Undo);
+    assert!(errors(&events).is_empty());
+    assert_eq!((session.labels(), session.history().to_vec()), (labels, rows));
+    let redo = events.iter().find_map(|event| match event {
+        Event::History { redo, .. } => redo.clone(),
+        _ => None,
+    });
+    assert_eq!(redo.as_deref(), Some("change cut length"));
+    session.handle(Command::Redo);
+    session.handle(Command::Redo);
+    assert_eq!(session.history().len(), 4);
+}
+
+#[test]
+fn a_bad_file_leaves_the_document_and_its_run_as_they_were() {
+    let mut session = Session::new();
+    session.open("ball.obj", ball(8).as_bytes());
+    session.handle(Command::Step);
+    let before = session.export("UV mesh (OBJ)").unwrap().bytes;
+    let scene = session.scene().unwrap();
+    let fin = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n";
+    for (name, bytes, shown) in [
+        ("empty.obj", "", false),
+        ("page.obj", "<!DOCTYPE html><html><body>404</body></html>", false),
+        ("short.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", false),
+        ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", false),
+        ("fin.obj", fin, true),
+        ("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", true),
+        ("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", false),
+    ] {
+        let events = session.open(name, bytes.as_bytes());
+        assert_eq!(errors(&events).len(), 1, "{name}");
+        assert!(status(&events).starts_with("Error: "), "{name}");
+        let rejected = session.scene();
+        assert_eq!(rejected.is_some(), shown, "{name}");
+        if let Some(rejected) = rejected {
+            assert!(!rejected.mark_segments.is_empty(), "{name} shows where");
+            let events = session.handle(Command::DismissError);
+            assert_eq!(status(&events), "Paused at step 1");
+            assert_eq!(session.scene().unwrap().triangles, scene.triangles);
+        }
+        assert_eq!(session.export("UV mesh (OBJ)").unwrap().bytes, before, "{name}");
+    }
+}
+
+#[test]
+fn commands_without_a_document_say_so() {
+    let mut session = Session::new();
+    for command in [Command::Run, Command::Step, Command::Reset] {
+        assert_eq!(errors(&session.handle(command)), ["No mesh is open."]);
+    }
+    for command in [Command::Pause, Command::Undo, Command::Redo, Command::Hello] {
+        assert!(errors(&session.handle(command)).is_empty());
+    }
+    assert!(session.export("UV mesh (OBJ)").is_err() && session.scene().is_none());
+    assert_eq!(errors(&session.handle(Command::OpenSample { name: "cow".into() })).len(), 1);
+}
+
+#[test]
+fn an_initial_cut_that_misses_is_refused_and_the_cut_stays() {
+    let mut session = Session::new();
+    session.open("ball.obj", ball(8).as_bytes());
+    set(&mut session, "init", Value::Text("circle".into()));
+    session.handle(Command::Step);
+    let labels = session.labels();
+    let events = set(&mut session, "vertex", Value::Number(0.0));
+    assert!(errors(&events).is_empty(), "0 is the default: nothing changes");
+    let events = set(&mut session, "vertex", Value::Number(5e6));
+    assert_eq!(errors(&events).len(), 1);
+    let events = set(&mut session, "length", Value::Number(f64::NAN));
+    assert_eq!(errors(&events).len(), 1);
+    assert_eq!(session.labels(), labels);
+}
+
+#[test]
+fn every_field_can_be_painted_on_every_sample() {
+    for sample in cutflow::session::samples::SAMPLES {
+        let mut session = Session::new();
+        let events = session.handle(Command::OpenSample { name: sample.name.into() });
+        assert!(errors(&events).is_empty(), "{}: {:?}", sample.name, errors(&events));
+        for field in ["u", "curvature", "area", "angle", "pieces"] {
+            session.handle(Command::ShowField { id: field.into() });
+            let scene = session.scene().unwrap();
+            assert_eq!(scene.field.is_some(), field != "pieces");
+            assert_eq!(scene.values.len(), if field == "pieces" { 0 } else { scene.vertex_count() });
+            if let Some(legend) = scene.field {
+                assert!(legend.range[0] < legend.range[1] && legend.mean.is_finite());
+            }
+            let count = scene.vertex_patches.len() as u32;
+            assert!(scene.triangles.iter().chain(&scene.rims).all(|&v| v < count));
+            assert!(scene.positions.iter().chain(&scene.normals).all(|x| x.is_finite()));
+        }
+    }
+}
+
+#[test]
+fn partners_across_a_cut_are_equally_long_in_the_charts() {
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: "rounded_box".into() });
+    session.handle(Command::Step);
+    let layout = session.layout().unwrap();
+    assert!(layout.flattening.seams_equal);
+    let mesh = &layout.opened.mesh;
+    let length = |h| {
+        let [a, b]: [[f64; 2]; 2] =
+            [mesh.tail(h), mesh.tip(h)].map(|v: cutflow::mesh::VertexId| layout.charts[v.index()]);
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    };
+    for f in mesh.faces() {
+        for h in mesh.face_halfedges(f) {
+            if let Some(partner) = layout.opened.partner(h) {
+                // 1e-10 of the surface's size.
+                assert!((length(h) - length(partner)).abs() < 1e-10);
+            }
+        }
+    }
+}
