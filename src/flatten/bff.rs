@@ -238,14 +238,14 @@ impl<'a> Problem<'a> {
             lengths: Vec::new(),
             directions: Vec::new(),
         };
-        let mut edge_lengths = vec![u32::MAX; self.mesh.edge_count()];
+        let mut edge_lengths = vec![usize::MAX; self.mesh.edge_count()];
         for rim in self.charts.iter().flatten() {
             for &h in rim {
                 // The first of two partners makes the length; the other one finds it.
                 let shared = self.opened.partner(h).map_or(h, |p| p.min(h)).edge();
                 let slot = &mut edge_lengths[shared.index()];
-                if *slot == u32::MAX {
-                    *slot = polygons.lengths.len() as u32;
+                if *slot == usize::MAX {
+                    *slot = polygons.lengths.len();
                     polygons.lengths.push(self.geometry.edge_length(h.edge()));
                 }
                 polygons.side_lengths.push(*slot);

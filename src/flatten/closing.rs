@@ -6,16 +6,19 @@
 //!
 //! minimise Σ over sides l (σ² + θ²) subject to Σ l e^σ (cos, sin)(φ + θ) = 0 for each polygon,
 //!
-//! σ being the log of a length ratio (equal for partners) and θ a turn of one side. Why directions may turn: with lengths alone,
-//! the two halves of a symmetric surface, which share all their sides, have linearly dependent conditions, and the noise by
-//! which they differ is then magnified to length changes of order one. With turns the system's condition number is moderate
-//! always, and a polygon without partners closes by the similarity-invariant rule z ← z − l Σz / Σl.
+//! σ being the log of a length ratio (equal for partners) and θ a turn of one side. A polygon without partners then closes by
+//! the similarity-invariant rule z ← z − l Σz / Σl.
+//!
+//! Why directions may turn: with lengths alone, the two halves of a symmetric surface, which share all their sides, have linearly
+//! dependent conditions, and rounding decides the result. Cut along its plane of symmetry, a cow could not be closed at all
+//! with lengths alone, and at the equator of a sphere with 10 000 vertices lengths had to change by 14 %; with turns it is 0.2 %
+//! and 0.001 %, in two rounds.
 
 use std::sync::Arc;
 
 use nalgebra::{Point2, Vector2};
 
-use super::turned;
+use super::{small, turned};
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
 
 /// Polygons by lengths and directions of their sides.
@@ -23,7 +26,7 @@ pub(super) struct Polygons {
     /// Where each polygon's sides begin, and the number of all sides.
     pub starts: Vec<usize>,
     /// For each side which of the lengths it has.
-    pub side_lengths: Vec<u32>,
+    pub side_lengths: Vec<usize>,
     /// Lengths; one that two sides name is a seam's.
     pub lengths: Vec<f64>,
     /// Direction of each side, radians.
@@ -64,15 +67,15 @@ impl Polygons {
                 return Ok(true);
             }
             least = least.min(worst);
-            let Some((stretches, turns)) = system.solve(self, &sides, &lengths, gaps)? else {
+            let Some(changes) = system.solve(self, &sides, &lengths, gaps)? else {
                 return Ok(false);
             };
-            let largest = stretches.iter().chain(&turns).fold(0.0, |m: f64, x| m.max(x.abs()));
-            let damping = (MAX_CHANGE / largest).min(1.0);
-            for (length, stretch) in lengths.iter_mut().zip(&stretches) {
+            let all = changes.stretches.iter().chain(&changes.turns);
+            let damping = (MAX_CHANGE / all.fold(0.0, |m: f64, x| m.max(x.abs()))).min(1.0);
+            for (length, stretch) in lengths.iter_mut().zip(&changes.stretches) {
                 *length *= (damping * stretch).exp();
             }
-            for (direction, turn) in directions.iter_mut().zip(&turns) {
+            for (direction, turn) in directions.iter_mut().zip(&changes.turns) {
                 *direction += damping * turn;
             }
         }
@@ -84,7 +87,7 @@ impl Polygons {
         let mut lengths = Vec::with_capacity(self.directions.len());
         for p in 0..self.starts.len() - 1 {
             let sides = self.starts[p]..self.starts[p + 1];
-            let length = |s: usize| self.lengths[self.side_lengths[s] as usize];
+            let length = |s: usize| self.lengths[self.side_lengths[s]];
             let gap: Vector2<f64> =
                 sides.clone().map(|s| direction(self.directions[s]) * length(s)).sum();
             let drift = gap / sides.clone().map(length).sum::<f64>();
@@ -94,7 +97,7 @@ impl Polygons {
                 lengths.push(z.norm());
             }
         }
-        self.side_lengths = (0..lengths.len() as u32).collect();
+        self.side_lengths = (0..lengths.len()).collect();
         self.lengths = lengths;
     }
 
@@ -105,7 +108,7 @@ impl Polygons {
             let mut at = Point2::origin();
             for s in self.starts[p]..self.starts[p + 1] {
                 corners.push(at);
-                at += direction(self.directions[s]) * self.lengths[self.side_lengths[s] as usize];
+                at += direction(self.directions[s]) * self.lengths[self.side_lengths[s]];
             }
         }
         corners
@@ -115,7 +118,7 @@ impl Polygons {
         directions
             .iter()
             .zip(&self.side_lengths)
-            .map(|(&angle, &l)| direction(angle) * lengths[l as usize])
+            .map(|(&angle, &l)| direction(angle) * lengths[l])
             .collect()
     }
 
@@ -133,11 +136,19 @@ impl Polygons {
     }
 }
 
+/// What one round changes.
+struct Changes {
+    /// dσ of each length.
+    stretches: Vec<f64>,
+    /// dθ of each direction.
+    turns: Vec<f64>,
+}
+
 /// One round's linear problem: N (dσ, dθ) = −Jᵀ λ with J N⁻¹ Jᵀ λ = gaps, N = diag(l), 2 l for a shared σ.
 struct System {
-    side_polygons: Vec<u32>,
+    side_polygons: Vec<usize>,
     /// The one or two sides that have each length; one alone is named twice.
-    owners: Vec<[u32; 2]>,
+    owners: Vec<[usize; 2]>,
     analysis: Arc<Analysis>,
     /// Slot of the off-diagonal entry of each polygon's own block.
     own_slots: Vec<u32>,
@@ -150,19 +161,19 @@ struct System {
 impl System {
     fn new(polygons: &Polygons) -> Result<Self, LinalgError> {
         let count = polygons.starts.len() - 1;
-        let mut side_polygons = vec![0u32; polygons.side_lengths.len()];
-        let mut owners = vec![[u32::MAX; 2]; polygons.lengths.len()];
+        let mut side_polygons = vec![0; polygons.side_lengths.len()];
+        let mut owners = vec![[usize::MAX; 2]; polygons.lengths.len()];
         for p in 0..count {
             for s in polygons.starts[p]..polygons.starts[p + 1] {
-                side_polygons[s] = p as u32;
-                let owner = &mut owners[polygons.side_lengths[s] as usize];
-                let first = if owner[0] == u32::MAX { s as u32 } else { owner[0] };
-                *owner = [first, s as u32];
+                side_polygons[s] = p;
+                let owner = &mut owners[polygons.side_lengths[s]];
+                let first = if owner[0] == usize::MAX { s } else { owner[0] };
+                *owner = [first, s];
             }
         }
-        let mut pairs: Vec<[u32; 2]> = (0..count as u32).map(|p| [2 * p, 2 * p + 1]).collect();
+        let mut pairs: Vec<[u32; 2]> = (0..small(count)).map(|p| [2 * p, 2 * p + 1]).collect();
         for owner in &owners {
-            let [p, q] = owner.map(|s| 2 * side_polygons[s as usize]);
+            let [p, q] = owner.map(|s| 2 * small(side_polygons[s]));
             if p != q {
                 pairs.extend([[p, q], [p, q + 1], [p + 1, q], [p + 1, q + 1]]);
             }
@@ -171,7 +182,7 @@ impl System {
         let mut rest = slots[count..].chunks_exact(4);
         let mixed_slots = owners
             .iter()
-            .map(|&[s, t]| match side_polygons[s as usize] == side_polygons[t as usize] {
+            .map(|&[s, t]| match side_polygons[s] == side_polygons[t] {
                 true => [0; 4],
                 false => rest.next().map_or([0; 4], |c| [c[0], c[1], c[2], c[3]]),
             })
@@ -182,15 +193,14 @@ impl System {
         Ok(Self { side_polygons, owners, analysis, own_slots, mixed_slots, values, factor: None })
     }
 
-    /// The changes dσ of the lengths and dθ of the directions that close the polygons to first order; none where
-    /// the problem is degenerate.
+    /// The changes that close the polygons to first order; none where the problem is degenerate.
     fn solve(
         &mut self,
         polygons: &Polygons,
         sides: &[Vector2<f64>],
         lengths: &[f64],
         mut gaps: Vec<f64>,
-    ) -> Result<Option<(Vec<f64>, Vec<f64>)>, LinalgError> {
+    ) -> Result<Option<Changes>, LinalgError> {
         self.assemble(polygons, sides, lengths);
         let solved = match &mut self.factor {
             Some(factor) => factor.refactor(&self.values),
@@ -204,16 +214,17 @@ impl System {
             _ => return Ok(None),
         }
         let multiplier = |s: usize| {
-            let p = 2 * self.side_polygons[s] as usize;
+            let p = 2 * self.side_polygons[s];
             Vector2::new(gaps[p], gaps[p + 1])
         };
-        let pull = |s: u32| sides[s as usize].dot(&multiplier(s as usize));
+        let pull = |s: usize| sides[s].dot(&multiplier(s));
         let stretches =
             self.owners.iter().zip(lengths).map(|(&[s, t], l)| -0.5 * (pull(s) + pull(t)) / l);
-        let turns = sides.iter().enumerate().map(|(s, &z)| {
-            -turned(z).dot(&multiplier(s)) / lengths[polygons.side_lengths[s] as usize]
-        });
-        Ok(Some((stretches.collect(), turns.collect())))
+        let turns = sides
+            .iter()
+            .enumerate()
+            .map(|(s, &z)| -turned(z).dot(&multiplier(s)) / lengths[polygons.side_lengths[s]]);
+        Ok(Some(Changes { stretches: stretches.collect(), turns: turns.collect() }))
     }
 
     /// S = J N⁻¹ Jᵀ.
@@ -221,19 +232,18 @@ impl System {
         let pattern = self.analysis.pattern();
         let (values, own_slots) = (&mut self.values, &self.own_slots);
         values.fill(0.0);
-        let mut add_own = |p: u32, z: Vector2<f64>, weight: f64| {
-            let p = p as usize;
+        let mut add_own = |p: usize, z: Vector2<f64>, weight: f64| {
             values[pattern.diagonal(2 * p)] += weight * z.x * z.x;
             values[own_slots[p] as usize] += weight * z.x * z.y;
             values[pattern.diagonal(2 * p + 1)] += weight * z.y * z.y;
         };
         for (s, &z) in sides.iter().enumerate() {
-            let length = lengths[polygons.side_lengths[s] as usize];
+            let length = lengths[polygons.side_lengths[s]];
             add_own(self.side_polygons[s], turned(z), 1.0 / length);
         }
         for (&[s, t], length) in self.owners.iter().zip(lengths) {
-            let [p, q] = [s, t].map(|side| self.side_polygons[side as usize]);
-            let [z, w] = [s, t].map(|side| sides[side as usize]);
+            let [p, q] = [s, t].map(|side| self.side_polygons[side]);
+            let [z, w] = [s, t].map(|side| sides[side]);
             if s == t {
                 add_own(p, z, 1.0 / length);
             } else if p == q {
@@ -244,8 +254,8 @@ impl System {
             }
         }
         for ((&[s, t], length), slots) in self.owners.iter().zip(lengths).zip(&self.mixed_slots) {
-            if self.side_polygons[s as usize] != self.side_polygons[t as usize] {
-                let [z, w] = [s, t].map(|side| sides[side as usize]);
+            if self.side_polygons[s] != self.side_polygons[t] {
+                let [z, w] = [s, t].map(|side| sides[side]);
                 let products = [z.x * w.x, z.x * w.y, z.y * w.x, z.y * w.y];
                 for (product, &slot) in products.iter().zip(slots) {
                     values[slot as usize] += 0.5 / length * product;
@@ -258,4 +268,77 @@ impl System {
 fn direction(angle: f64) -> Vector2<f64> {
     let (sin, cos) = angle.sin_cos();
     Vector2::new(cos, sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use super::*;
+
+    /// Two n-gons, the second one a mirror image of the first with all sides shared; directions off by `noise`.
+    fn mirrored(n: usize, noise: f64) -> Polygons {
+        let angle = |i: usize| TAU * i as f64 / n as f64;
+        let wobble = |i: usize| noise * (3.7 * i as f64).sin();
+        let directions =
+            (0..n).map(|i| angle(i) + wobble(i)).chain((0..n).map(|i| angle(i) + wobble(i + n)));
+        Polygons {
+            starts: vec![0, n, 2 * n],
+            side_lengths: (0..n).chain((0..n).rev()).collect(),
+            lengths: (0..n).map(|i| 1.0 + 0.3 * (2.0 * angle(i)).cos()).collect(),
+            directions: directions.collect(),
+        }
+    }
+
+    #[test]
+    fn mirror_images_that_share_all_sides_close_with_small_changes() {
+        for noise in [0.0, 1e-9, 1e-3, 0.1] {
+            let mut polygons = mirrored(60, noise);
+            let before = polygons.lengths.clone();
+            assert!(polygons.close_together().unwrap());
+            let sides = polygons.sides(&polygons.lengths, &polygons.directions);
+            assert!(polygons.gaps(&sides).1 < 1e-13);
+            for (new, old) in polygons.lengths.iter().zip(&before) {
+                // As large as the noise, whatever the noise.
+                assert!((new / old).ln().abs() <= noise + 1e-13, "{noise}");
+            }
+        }
+    }
+
+    #[test]
+    fn changes_are_the_least_that_close_a_lone_polygon() {
+        // Without partners the minimiser of the linearised problem is z (1 − (gap / perimeter) / direction).
+        let mut polygons = mirrored(40, 1e-5);
+        polygons.starts.pop();
+        polygons.side_lengths.truncate(40);
+        polygons.directions.truncate(40);
+        let mut apart = Polygons {
+            starts: polygons.starts.clone(),
+            side_lengths: polygons.side_lengths.clone(),
+            lengths: polygons.lengths.clone(),
+            directions: polygons.directions.clone(),
+        };
+        assert!(polygons.close_together().unwrap());
+        apart.close_apart();
+        for (p, q) in polygons.corners().iter().zip(apart.corners()) {
+            // They differ by the square of the noise.
+            assert!((p - q).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn hopeless_polygons_are_left_alone_and_still_close_apart() {
+        // One turns by half a turn only: its sides share no length with a closed polygon nearby.
+        let mut polygons = mirrored(60, 0.0);
+        for (i, direction) in polygons.directions[60..].iter_mut().enumerate() {
+            *direction = 0.01 * PI * i as f64 / 60.0;
+        }
+        let (lengths, directions) = (polygons.lengths.clone(), polygons.directions.clone());
+        assert!(!polygons.close_together().unwrap());
+        assert_eq!((&polygons.lengths, &polygons.directions), (&lengths, &directions));
+        polygons.close_apart();
+        let sides = polygons.sides(&polygons.lengths, &polygons.directions);
+        assert!(polygons.gaps(&sides).1 < 1e-12);
+        assert!(polygons.lengths.iter().all(|&l| l > 0.0));
+    }
 }

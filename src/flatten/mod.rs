@@ -80,7 +80,7 @@ impl Flattening {
         let patches = opened.vertex_patches();
         for (v, place) in self.uv.iter().enumerate().take(own_vertices) {
             if place.x.is_finite() {
-                landmarks[patches[v] as usize].push((v as u32, *place));
+                landmarks[patches[v] as usize].push((small(v), *place));
             }
         }
         let shapes: Vec<Shape> = outlines
@@ -118,6 +118,12 @@ pub fn rims(opened: &OpenedMesh) -> Vec<Result<Vec<HalfedgeId>, NoChart>> {
         }
     }
     rims
+}
+
+/// An index as a `u32`: meshes number fewer elements than that.
+#[expect(clippy::cast_possible_truncation, reason = "Mesh::new refuses larger meshes")]
+fn small(index: usize) -> u32 {
+    index as u32
 }
 
 /// A quarter turn counter-clockwise.

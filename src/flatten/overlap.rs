@@ -7,6 +7,8 @@
 use nalgebra::{Point2, Vector2};
 use robust::{Coord, orient2d};
 
+use super::small;
+
 /// A side of an outline: from corner `side` to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Side {
@@ -31,7 +33,7 @@ pub fn crossings(outlines: &[&[Point2<f64>]]) -> Vec<[Side; 2]> {
     let mut sides = Vec::new();
     for (outline, corners) in outlines.iter().enumerate() {
         for i in 0..corners.len() {
-            let name = Side { outline: outline as u32, side: i as u32 };
+            let name = Side { outline: small(outline), side: small(i) };
             sides.push((name, corners[i], corners[(i + 1) % corners.len()]));
         }
     }
@@ -68,6 +70,12 @@ pub fn orientation(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> f64 {
     orient2d(a, b, c)
 }
 
+/// How many whole cells fit into an extent.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+fn cells(extent: f64, cell: f64) -> usize {
+    (extent / cell) as usize
+}
+
 type Segment = (Side, Point2<f64>, Point2<f64>);
 
 /// Square cells about as wide as a side is long, each with the sides whose boxes touch it.
@@ -98,7 +106,7 @@ impl Grid {
         if !(cell > 0.0 && cell.is_finite()) {
             return None;
         }
-        let [columns, rows] = [extent.x, extent.y].map(|e| (e / cell) as usize + 1);
+        let [columns, rows] = [extent.x, extent.y].map(|e| cells(e, cell) + 1);
         let mut grid = Self {
             low,
             cell,
@@ -112,7 +120,7 @@ impl Grid {
             let [[x, y], [to_x, to_y]] = grid.range(side);
             for row in y..=to_y {
                 for column in x..=to_x {
-                    entries.push((row * columns + column, i as u32));
+                    entries.push((row * columns + column, small(i)));
                     grid.starts[row * columns + column + 1] += 1;
                 }
             }
@@ -139,8 +147,7 @@ impl Grid {
 
     /// First and last column and row of a side's box.
     fn range(&self, (_, a, b): &Segment) -> [[usize; 2]; 2] {
-        let cell =
-            |x: f64, low: f64, count: usize| (((x - low) / self.cell) as usize).min(count - 1);
+        let cell = |x: f64, low: f64, count: usize| cells(x - low, self.cell).min(count - 1);
         [a.inf(b), a.sup(b)]
             .map(|p| [cell(p.x, self.low.x, self.columns), cell(p.y, self.low.y, self.rows)])
     }

@@ -13,6 +13,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::{Point2, Rotation2, Vector2};
 
 use super::overlap::orientation;
+use super::{small, turned};
 
 /// A chart to be placed.
 #[derive(Clone, Copy, Debug)]
@@ -131,7 +132,7 @@ pub fn pack(shapes: &[Shape], gap: f64, previous: Option<&Packing>) -> Packing {
             if landmarks.len() <= name as usize {
                 landmarks.resize(name as usize + 1, None);
             }
-            landmarks[name as usize] = Some((i as u32, poses[i].apply(p)));
+            landmarks[name as usize] = Some((small(i), poses[i].apply(p)));
         }
     }
     Packing { poses, boxes, sheet, landmarks }
@@ -156,7 +157,7 @@ fn ancestors(shapes: &[Shape], previous: &Packing) -> Vec<Option<u32>> {
     for (_, i, ancestor) in votes {
         let there = !shapes[i].outline.is_empty() && previous.boxes[ancestor].size.x > 0.0;
         if there && result[i].is_none() && !taken[ancestor] {
-            result[i] = Some(ancestor as u32);
+            result[i] = Some(small(ancestor));
             taken[ancestor] = true;
         }
     }
@@ -268,7 +269,7 @@ fn smallest_rectangle(hull: &[Point2<f64>]) -> f64 {
     let mut best = (f64::INFINITY, 0.0);
     for i in 0..n {
         let along = side(i).normalize();
-        let up = super::turned(along);
+        let up = turned(along);
         // Each caliper moves on while the hull still goes its way.
         right = right.max(i + 1);
         while right < i + n && side(right).dot(&along) > 0.0 {

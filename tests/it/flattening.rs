@@ -1,5 +1,8 @@
 //! Flattening: isometry where it is possible, convergence where it is not, counts that are exact, layouts that stand still.
 
+#![allow(clippy::unwrap_used, reason = "tests, helpers included")]
+#![allow(clippy::cast_possible_truncation, reason = "small meshes")]
+
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -218,7 +221,9 @@ fn assert_partners_are_equal(case: &Case, flattening: &Flattening) -> usize {
     };
     let mut pairs = 0;
     for h in flattening.charts.iter().flatten().flatten() {
-        let Some(partner) = case.opened.partner(*h) else { continue };
+        let Some(partner) = case.opened.partner(*h).filter(|&p| !length(p).is_nan()) else {
+            continue;
+        };
         // Closing holds one number for both; only adding up coordinates of size 1 separates them.
         assert!((length(*h) - length(partner)).abs() < 1e-14);
         pairs += 1;
@@ -542,7 +547,7 @@ fn crossings_of_outlines_are_counted_exactly() {
     assert!(crossings(&[&band(3.0, 0.3)]).is_empty());
     let crossed = crossings(&[&band(1.2, -0.15)]);
     // The end of the band enters over one border of its beginning.
-    assert!(!crossed.is_empty() && crossed.len() % 2 == 0, "{}", crossed.len());
+    assert!(!crossed.is_empty() && crossed.len().is_multiple_of(2), "{}", crossed.len());
     for [s, t] in &crossed {
         assert!(s < t && (t.side - s.side) > 1);
     }
@@ -716,4 +721,115 @@ fn charts_of_a_surface_lie_apart_on_the_sheet() {
         let [a, b, c] = case.opened.mesh.face_vertices(f).map(|v| placed[v.index()]);
         assert!((b - a).perp(&(c - a)) > 0.0);
     }
+}
+
+/// A mesh of the shared collection, scaled to area 1; none where it is absent.
+fn shared_mesh(name: &str) -> Option<Soup> {
+    let path = format!("{}/../shared/meshes/{name}", env!("CARGO_MANIFEST_DIR"));
+    #[expect(clippy::disallowed_methods, reason = "tests open files")]
+    let bytes = std::fs::read(&path);
+    let Ok(bytes) = bytes else {
+        eprintln!("skipped: {path} is absent");
+        return None;
+    };
+    let (soup, _) = cutflow::mesh::obj::read(&bytes).unwrap();
+    let mut triangles = Vec::new();
+    for i in 0..soup.polygon_count() {
+        let polygon = soup.polygon(i);
+        triangles.extend((2..polygon.len()).map(|k| [polygon[0], polygon[k - 1], polygon[k]]));
+    }
+    let mesh = Mesh::new(soup.positions.len(), &triangles).unwrap();
+    let (geometry, _) = Geometry::unit_area(&mesh, &soup.positions).unwrap();
+    Some((geometry.positions, triangles))
+}
+
+#[test]
+fn a_cow_cut_along_its_plane_of_symmetry_keeps_its_seams_equal() {
+    let Some((p, t)) = shared_mesh("spot.obj") else { return };
+    // Both halves have the same rim: the case that closing with lengths alone cannot do.
+    let case = Case::along_level(&p, &t, |p| p.x);
+    let flattening = case.flatten();
+    assert!(flattening.seams_equal);
+    assert!(assert_partners_are_equal(&case, &flattening) > 100);
+    let mesh = &case.opened.mesh;
+    for h in flattening.charts.iter().flatten().flatten() {
+        let [a, b] = [mesh.tail(*h), mesh.tip(*h)].map(|v| flattening.uv[v.index()]);
+        let ratio = (a - b).norm() / case.geometry.edge_length(h.edge());
+        assert!(ratio.ln().abs() < 0.005, "rims keep their lengths: {ratio}");
+    }
+    let totals = measure(&case.opened, &case.geometry, &flattening).totals;
+    assert_eq!((totals.flipped, totals.overlaps), (0, 0));
+    assert!(totals.angle_distortion < 1.12, "{}", totals.angle_distortion);
+}
+
+#[test]
+fn real_surfaces_in_many_pieces_flatten_without_flips() {
+    for name in ["spot.obj", "bunny-closed.obj", "rocker-arm.obj"] {
+        let Some((p, t)) = shared_mesh(name) else { continue };
+        for size in [0.1, 0.25] {
+            // Cubes of space: many pieces with ragged rims, a few of them no disks.
+            let cube = |x: f64| (x / size + 50.37).floor() as u32;
+            let label = |q: Point3<f64>| cube(q.x) + 1000 * cube(q.y) + 1_000_000 * cube(q.z);
+            let case = Case::along_edges(&p, &t, label, &[]);
+            let flattening = case.flatten();
+            assert!(flattening.seams_equal, "{name} {size}");
+            let charts = flattening.charts.iter().filter(|c| c.is_ok()).count();
+            assert!(charts * 10 > flattening.charts.len() * 7, "{name} {size}: {charts}");
+            assert!(assert_partners_are_equal(&case, &flattening) > 0);
+            let totals = measure(&case.opened, &case.geometry, &flattening).totals;
+            assert_eq!(totals.flipped, 0, "{name} {size}");
+            assert!(totals.angle_distortion < 1.2, "{name} {size}: {}", totals.angle_distortion);
+        }
+    }
+}
+
+/// `cargo test --release --test it flattening::figures -- --ignored --nocapture`
+#[test]
+#[ignore = "prints times"]
+#[expect(clippy::disallowed_methods, reason = "measures time")]
+fn figures() {
+    fn best<T>(mut call: impl FnMut() -> T) -> f64 {
+        let times = (0..9).map(|_| {
+            let start = std::time::Instant::now();
+            call();
+            start.elapsed().as_secs_f64()
+        });
+        1e3 * times.fold(f64::INFINITY, f64::min)
+    }
+    for level in [5, 6] {
+        let (p, t) = icosphere(level);
+        let mesh = Mesh::new(p.len(), &t).unwrap();
+        let mut laplacian =
+            cutflow::geometry::Laplacian::new(&mesh, &Geometry::measure(&mesh, p.clone()));
+        for v in 0..p.len() {
+            laplacian.values[laplacian.pattern.diagonal(v)] += 1e-3;
+        }
+        let analysis = Arc::new(Analysis::new(laplacian.pattern.clone()).unwrap());
+        let analysing = best(|| Analysis::new(laplacian.pattern.clone()));
+        let mut factor = Factor::new(analysis, &laplacian.values).unwrap();
+        let factoring = best(|| factor.refactor(&laplacian.values));
+        let mut x = vec![1.0; 2 * p.len()];
+        let solving = best(|| factor.solve(&mut x[..p.len()], 1));
+        let solving_two = best(|| factor.solve(&mut x, 2));
+        let case = Case::along_level(&p, &t, |p| p.x + 0.05 * (17.0 * p.y).sin());
+        let full = best(|| case.flatten());
+        // The numbers of this factor are another matrix's; its work is the same.
+        let preview = best(|| bff_with(&case.opened, &case.geometry, &mut factor));
+        let flattening = case.flatten();
+        let measuring = best(|| measure(&case.opened, &case.geometry, &flattening));
+        println!(
+            "{} vertices, ms: analysis {analysing:.2}, factorisation {factoring:.2}, solve {solving:.2}, \
+             two {solving_two:.2}; bff {full:.2}, with factor {preview:.2}, measures {measuring:.2}",
+            p.len()
+        );
+        let beyond = (full - analysing) / (2.0 * factoring + 8.0 * solving);
+        println!("  bff beyond symbolic / (2 factorisations + 8 solves) = {beyond:.2}");
+    }
+    let outlines = shapes(200, 0.0);
+    let packing = pack_outlines(&outlines, None);
+    println!(
+        "packing 200 charts, ms: fresh {:.2}, again {:.2}",
+        best(|| pack_outlines(&outlines, None)),
+        best(|| pack_outlines(&outlines, Some(&packing)))
+    );
 }
