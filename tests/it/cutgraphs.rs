@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 
 use cutflow::geometry::Geometry;
 use cutflow::geometry::polygon::triangulate;
-use cutflow::mesh::{CutMesh, Mesh, obj};
+use cutflow::mesh::{CutMesh, FaceId, HalfedgeId, Mesh, obj};
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial};
 use cutflow::methods::cutgraph::{DiskCuts, cut_to_disks};
 use cutflow::session::samples;
@@ -330,6 +330,55 @@ fn several_patches_are_cut_at_once_and_disks_are_left_alone() {
     let added = surface.cut_to_disks();
     assert_eq!((added.patches, added.opened.patch_count), (4, 4));
     assert!(added.length < TAU * 0.6 * 1.001, "{}", added.length);
+}
+
+/// Cuts a surface into random connected regions, and returns the shapes of its patches.
+fn split_at_random(surface: &mut Surface, regions: usize, seed: u64) -> Vec<(i64, usize)> {
+    let mut state = seed;
+    let mut random = |n: usize| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % n
+    };
+    let mesh = Mesh::new(surface.positions.len(), &surface.cut.triangles).unwrap();
+    let mut labels = vec![None; mesh.face_count()];
+    let mut front = Vec::new();
+    for region in 0..regions {
+        front.push((FaceId::from(random(mesh.face_count())), region));
+    }
+    // Any face of the front next: ragged regions of all shapes.
+    while !front.is_empty() {
+        let (face, region) = front.swap_remove(random(front.len()));
+        if labels[face.index()].is_none() {
+            labels[face.index()] = Some(region);
+            let neighbours = mesh.face_halfedges(face).map(|h| mesh.face(h.twin()));
+            front.extend(neighbours.into_iter().flatten().map(|neighbour| (neighbour, region)));
+        }
+    }
+    let label = |h: HalfedgeId| mesh.face(h).map(|f| labels[f.index()]);
+    let cut = mesh.edges().filter(|e| {
+        let h = e.halfedge();
+        !mesh.is_boundary_edge(*e) && label(h) != label(h.twin())
+    });
+    surface.cut.cut_edges = cut.map(|e| mesh.edge_vertices(e).map(|v| v.0)).collect();
+    surface.cut.open().unwrap().patch_shapes()
+}
+
+#[test]
+fn ragged_patches_of_any_shape_become_disks() {
+    let mut shapes = BTreeSet::new();
+    for seed in 0..60 {
+        let windows = 1 + (seed % 3) as i32;
+        let is_filled = |[x, y, _]: [i32; 3]| !(x % 2 == 1 && y == 1);
+        let is_left_out = |c: [i32; 3], side| seed % 2 == 1 && c == [0, 0, 0] && side == 5;
+        let mut frame = cubes([2 * windows + 1, 3, 1], 2, is_filled, is_left_out);
+        shapes.extend(split_at_random(&mut frame, 1 + (seed % 7) as usize, seed));
+        frame.cut_to_disks();
+    }
+    // With handles, with many loops, closed: all were met.
+    assert!(shapes.iter().any(|&(euler, loops)| loops > 0 && euler + (loops as i64) < 2));
+    assert!(shapes.iter().any(|&(_, loops)| loops >= 4), "{shapes:?}");
+    assert!(shapes.iter().any(|&(_, loops)| loops == 0));
 }
 
 #[test]
