@@ -116,6 +116,15 @@ fn normal(scene: &Scene, vertex: u32) -> Vec3 {
     Vec3::from_slice(&scene.normals[3 * vertex as usize..])
 }
 
+/// Area of the surface.
+pub fn area(scene: &Scene) -> f32 {
+    let area = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|vertex| position(scene, vertex));
+        (b - a).cross(c - a).length() / 2.0
+    };
+    triangles(scene).iter().map(area).sum()
+}
+
 /// Places, normals and openness of all vertices.
 pub fn geometry(scene: &Scene, occlusion: &mut Occlusion) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(scene.vertex_count() * GEOMETRY_STRIDE as usize);
@@ -357,6 +366,11 @@ mod tests {
         assert_eq!(charts(&scene).len(), n * 8);
         assert_eq!(mark_point_ribbons(&scene).len(), scene.mark_points.len() / 3 * 60);
         assert_eq!(indices(triangles(&scene)).len(), scene.triangles.len() * 4);
+    }
+
+    #[test]
+    fn two_squares_have_the_area_of_two() {
+        assert!((area(&two_squares()) - 2.0).abs() < 1e-6);
     }
 
     #[test]

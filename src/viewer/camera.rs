@@ -12,8 +12,9 @@ const FIELD_OF_VIEW: f32 = 28.0 * std::f32::consts::PI / 180.0;
 const FILL: f32 = 0.94;
 /// Turning never quite reaches the poles, where the turntable's sideways direction is lost.
 const MAX_PITCH: f32 = 1.55;
-/// Distance of the sheet from the edge of its view after [`Sheet::fit`], in CSS pixels.
-const SHEET_MARGIN: f32 = 12.0;
+/// Distance of the sheet from the edge of its view after [`Sheet::fit`], in CSS pixels: room for the
+/// outer half of an outline.
+const SHEET_MARGIN: f32 = 4.0;
 
 /// Size of a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

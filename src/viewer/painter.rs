@@ -3,7 +3,7 @@
 use super::arrays::{self, CHART_STRIDE, GEOMETRY_STRIDE, PAINT_STRIDE, RIBBON_STRIDE};
 use super::color::{CASING, CUT, NEUTRAL, Rgb, WARNING};
 use super::occlusion::{SHADOW_PIXELS, SHADOW_REACH};
-use super::stage::{CHECKER_CELL, Part, RAMP_PIXELS, Stage, View};
+use super::stage::{Part, RAMP_PIXELS, Stage, View};
 use glam::UVec2;
 use wgpu::{VertexFormat as Format, VertexStepMode as Step};
 
@@ -69,9 +69,11 @@ impl Look {
         // Higher than the surface rises within the width of a line on a slope of about 70°; what
         // turns further away than that is faded out by the shader.
         let lift = 3.0;
+        // A casing fades earlier, since along an outline it would be a halo on the ground.
+        let whole_from = if matches!(self, Self::Casing) { 0.3 } else { 0.03 };
         let mut bytes = Vec::with_capacity(STYLE_STRIDE as usize);
         arrays::push_floats(&mut bytes, &arrays::opaque(colour, opacity));
-        arrays::push_floats(&mut bytes, &[width / 2.0, is_band, is_band, lift]);
+        arrays::push_floats(&mut bytes, &[width / 2.0, is_band, lift, whole_from]);
         bytes.resize(STYLE_STRIDE as usize, 0);
         bytes
     }
@@ -358,7 +360,7 @@ impl Painter {
             [eye.x, eye.y, eye.z, switch(projection.perspective)],
             [size.x as f32, size.y as f32, viewport.scale, projection.pixel],
             [stage.ground(), SHADOW_REACH, theme.shadow, above],
-            [switch(stage.shows_field()), switch(stage.shows_checker()), CHECKER_CELL, 0.0],
+            [switch(stage.shows_field()), switch(stage.shows_checker()), stage.checker_cell(), 0.0],
             arrays::opaque(NEUTRAL, 1.0),
             arrays::opaque(WARNING, 1.0),
         ] {

@@ -3,8 +3,8 @@
 struct Style {
     // Colour and opacity.
     colour: vec4f,
-    // Half the width in CSS pixels; 1 to take the ribbon's own colour; 1 to draw only left of the line;
-    // how far the line is lifted towards the eye, in half widths.
+    // Half the width in CSS pixels; 1 for a band in the ribbon's own colour, left of the line only; how far
+    // the line is lifted towards the eye, in half widths; cosine to the eye from which it is seen whole.
     shape: vec4f,
 }
 @group(1) @binding(0) var<uniform> style: Style;
@@ -21,7 +21,7 @@ struct Corner {
 
 fn lifted(place: vec3f, half_width: f32) -> vec4f {
     let to_eye = frame.eye.xyz - place;
-    let lift = style.shape.w * half_width * frame.viewport.w * frame.eye.w;
+    let lift = style.shape.z * half_width * frame.viewport.w * frame.eye.w;
     return frame.world_to_clip * vec4f(place + to_eye * min(lift, 0.5), 1.0);
 }
 
@@ -104,7 +104,7 @@ fn ribbon_vertex(
     let place = select(start, end, is_end);
     let normal = select(start_normal, end_normal, is_end);
     let facing = dot(normal.xyz, normalize(frame.eye.xyz - place));
-    let seen = select(1.0, smoothstep(-0.12, 0.03, facing), normal.w > 0.5);
+    let seen = select(1.0, smoothstep(style.shape.w - 0.15, style.shape.w, facing), normal.w > 0.5);
     let own = select(style.colour.rgb, colour.rgb, style.shape.y > 0.5);
     corner.colour = vec4f(own, style.colour.a * seen);
     return corner;
@@ -121,7 +121,7 @@ fn ribbon_fragment(corner: Corner) -> @location(0) vec4f {
     let nearest = vec2f(corner.place.x - clamp(corner.place.x, 0.0, corner.length), corner.place.y);
     let half_width = style.shape.x * frame.viewport.z;
     var coverage = clamp(half_width + 0.5 - length(nearest), 0.0, 1.0);
-    // One-sided lines end under the middle of the line that is drawn over them.
-    if style.shape.z > 0.5 { coverage *= clamp(corner.place.y + 0.5, 0.0, 1.0); }
+    // A band ends under the middle of the line that is drawn over it.
+    if style.shape.y > 0.5 { coverage *= clamp(corner.place.y + 0.5, 0.0, 1.0); }
     return vec4f(corner.colour.rgb, corner.colour.a * coverage);
 }

@@ -14,9 +14,10 @@ use glam::{Vec2, Vec3};
 
 /// Smallest disc, as a radius in CSS pixels, that a chart's number fits into.
 const NUMBER_ROOM: f32 = 9.0;
-/// Side of a checker cell in the unit of the surface, whose radius is 1: about a dozen cells to
-/// a chart of a tenth of a ball. Fixed, so that unequal cells show unequal scale.
-pub const CHECKER_CELL: f32 = 0.055;
+/// Checker cells along the side of a square of the surface's area: about ten across one of a dozen
+/// pieces. Twice as many are a texture at the size of a laptop's window, half as many show too little of a
+/// chart's change of scale.
+const CHECKER_CELLS: f32 = 35.0;
 /// Pixels of the colour map.
 pub const RAMP_PIXELS: usize = 256;
 
@@ -96,6 +97,7 @@ pub struct Stage {
     neighbours: Vec<[u32; 2]>,
     rooms: Vec<f32>,
     occlusion: Option<Occlusion>,
+    checker_cell: f32,
     hierarchies: [Option<Hierarchy>; 2],
     orbit: Orbit,
     sheet: Sheet,
@@ -117,6 +119,7 @@ impl Default for Stage {
             neighbours: Vec::new(),
             rooms: Vec::new(),
             occlusion: None,
+            checker_cell: 1.0,
             hierarchies: [None, None],
             orbit: Orbit::default(),
             sheet: Sheet::default(),
@@ -159,6 +162,7 @@ impl Stage {
         self.rooms = arrays::anchor_rooms(new);
         if is_new_mesh {
             self.occlusion = Some(Occlusion::new(new));
+            self.checker_cell = arrays::area(new).sqrt().max(1e-3) / CHECKER_CELLS;
         }
         self.stamp(is_new_mesh || places, &[Part::Geometry, Part::Wires]);
         self.stamp(is_new_mesh, &[Part::Shadow]);
@@ -396,6 +400,12 @@ impl Stage {
         self.checker
     }
 
+    /// Side of a checker cell, the same on all charts for as long as a mesh is shown, so that
+    /// unequal cells on the surface show unequal scale.
+    pub fn checker_cell(&self) -> f32 {
+        self.checker_cell
+    }
+
     /// Whether edges are drawn.
     pub fn shows_wireframe(&self) -> bool {
         self.wireframe
@@ -538,12 +548,12 @@ mod tests {
             |width, revision| Scene { sheet: [0.0, 0.0, width, 1.0], revision, ..two_squares() };
         stage.set_scene(scene(9.0, 1)).expect("a good scene");
         let fitted = stage.chart_pixels_per_unit();
-        assert!((fitted - 476.0 / 9.0).abs() < 1e-3);
+        assert!((fitted - 492.0 / 9.0).abs() < 1e-3);
         stage.zoom(View::Flat, 2.0, Vec2::new(1.0, 1.0));
         stage.set_scene(scene(2.0, 2)).expect("a good scene");
         assert!((stage.chart_pixels_per_unit() - 2.0 * fitted).abs() < 1e-3);
         stage.fit(View::Flat);
-        assert!((stage.chart_pixels_per_unit() - 476.0 / 2.0).abs() < 1e-3);
+        assert!((stage.chart_pixels_per_unit() - 492.0 / 2.0).abs() < 1e-3);
     }
 
     #[test]
