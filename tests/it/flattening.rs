@@ -14,6 +14,8 @@ use cutflow::flatten::{
 use cutflow::geometry::{Geometry, angle_defects};
 use cutflow::linalg::{Analysis, Factor, Pattern};
 use cutflow::mesh::{CutMesh, EdgeId, FaceId, Mesh, OpenedMesh, SurfacePoint, VertexId};
+use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial, Weights};
+use cutflow::methods::flow::Flow;
 use nalgebra::{Point2, Point3, Rotation3, Vector2, Vector3};
 
 /// A surface, opened along a cut.
@@ -32,7 +34,10 @@ impl Case {
                 let [a, b] = mesh.edge_vertices(e).map(|v| positions[v.index()]);
                 a + (b - a) * t
             }
-            SurfacePoint::Face(..) => unreachable!("these cuts have no points inside faces"),
+            SurfacePoint::Face(f, weights) => {
+                let corners = mesh.face_vertices(f).map(|v| positions[v.index()].coords);
+                Point3::from((0..3).map(|i| corners[i] * weights[i]).sum::<Vector3<f64>>())
+            }
         };
         let points = opened.vertex_points.iter().map(place).collect();
         let geometry = Geometry::measure(&opened.mesh, points);
@@ -781,6 +786,53 @@ fn real_surfaces_in_many_pieces_flatten_without_flips() {
             assert!(totals.angle_distortion < 1.2, "{name} {size}: {}", totals.angle_distortion);
         }
     }
+}
+
+#[test]
+fn the_preview_of_a_running_flow_is_the_full_flattening_and_moves_gently() {
+    let Some((p, t)) = shared_mesh("spot.obj") else { return };
+    let mesh = Mesh::new(p.len(), &t).unwrap();
+    let geometry = Geometry::new(&mesh, p).unwrap();
+    let start = Initial::NormalClusters { angle: PI / 3.0, regions: 10 };
+    let params = CutFlowParams {
+        weights: Weights { dirichlet: 0.0, hencky: 3000.0, length: 2.0 },
+        ..CutFlowParams::default()
+    };
+    let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &start, params).unwrap();
+    let mut last: Option<(Packing, Vec<Point2<f64>>)> = None;
+    let mut jumps = 0;
+    for step in 0..40 {
+        let case = Case::new(&mesh, &geometry.positions, &flow.cut_mesh());
+        let preview = bff_with(&case.opened, &case.geometry, flow.factor()).unwrap();
+        let full = case.flatten();
+        assert_eq!(preview.charts, full.charts);
+        for (a, b) in preview.uv.iter().zip(&full.uv).filter(|(a, _)| !a.x.is_nan()) {
+            // Two factorisations of the same numbers in two orders.
+            assert!((a - b).norm() < 1e-7, "step {step}: {a} {b}");
+        }
+        let totals = measure(&case.opened, &case.geometry, &preview).totals;
+        assert_eq!(totals.flipped, 0, "step {step}");
+        let previous = last.as_ref().map(|(packing, _)| packing);
+        let packing = preview.pack(&case.opened, case.own_vertices, 0.02, previous);
+        assert_eq!(measures::overlaps_across(&case.opened, &preview, &packing), 0);
+        let mut placed = preview.place(&case.opened, &packing);
+        placed.truncate(case.own_vertices);
+        if let Some((_, before)) = &last {
+            let mut moves: Vec<f64> = placed
+                .iter()
+                .zip(before)
+                .map(|(a, b)| (a - b).norm())
+                .filter(|d| d.is_finite())
+                .collect();
+            moves.sort_unstable_by(f64::total_cmp);
+            let median = moves[moves.len() / 2];
+            jumps += usize::from(median > 0.1);
+        }
+        last = Some((packing, placed));
+        flow.step().unwrap();
+    }
+    // About 0.005 a step; a layout made anew moves half of all points by 0.3 and more.
+    assert!(jumps <= 1, "the layout was made anew {jumps} times in 40 steps");
 }
 
 /// `cargo test --release --test it flattening::figures -- --ignored --nocapture`
