@@ -22,6 +22,12 @@ export function short(value) {
   return fixed(value, size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : 3);
 }
 
+/** A value as one of several up to `size`: what is small beside that reads as zero. */
+export function among(value, size) {
+  if (!(size >= 1e-3 && size < 1e7)) return short(value);
+  return fixed(value, size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : size >= 0.1 ? 3 : 4);
+}
+
 /** Three digits that mean something, as a dial would show them: 0.0100, 2.00, 3 000. */
 export function dial(value, most = 6) {
   if (value === 0) return "0";

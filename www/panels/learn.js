@@ -2,7 +2,7 @@
 // surface. The texts are in index.html; the numbers come from the engine's events.
 
 import { byId, h, icon, write } from "../dom.js";
-import { fixed, measure, short } from "../format.js";
+import { among, fixed, measure, short } from "../format.js";
 
 /**
  * @param on `field(id)` shows a field, `step()` takes one step, `layout()` after the page was rearranged
@@ -86,8 +86,10 @@ export function learnPanel(on, facts) {
     const previous = points.at(-2);
     const list = [];
     if (field && at !== 2) {
-      list.push([`${field.label}, least to most`, `${short(field.extremes[0])} to ${short(field.extremes[1])} ${field.unit}`]);
-      list.push([`${field.label}, mean`, `${short(field.mean)} ${field.unit}`]);
+      const size = Math.max(...field.extremes.map(Math.abs));
+      const [least, most, mean] = [...field.extremes, field.mean].map((value) => among(value, size));
+      list.push([`${field.label}, least to most`, `${least} to ${most} ${field.unit}`]);
+      list.push([`${field.label}, mean`, `${mean} ${field.unit}`]);
     }
     if (at >= 2 && last) {
       const change = (now, then) => (then === undefined ? short(now) : `${short(then)} → ${short(now)}`);

@@ -1,7 +1,7 @@
 // What lies low in each view: the colour map of the field shown, or what the pieces amount to.
 
 import { h, s } from "../dom.js";
-import { fixed, percent, plural, short } from "../format.js";
+import { among, fixed, percent, plural, short } from "../format.js";
 
 /** `+0.10` and `−0.10`; the ends of a range want no more digits than tell them apart. */
 function end(value, signed) {
@@ -18,7 +18,8 @@ function fieldLegend(field) {
     const height = 20 * Math.sqrt(Math.max(0, share));
     return s("rect", { x: 7 * i, y: 20 - height, width: 6, height });
   });
-  const stat = (name, value) => [`${name} `, h("b", {}, short(value)), " "];
+  const size = Math.max(...field.extremes.map(Math.abs));
+  const stat = (name, value) => [`${name} `, h("b", {}, among(value, size)), " "];
   return [
     h(
       "div",
