@@ -79,9 +79,9 @@ const KEEP_LAYOUT: f64 = 1.2;
 /// ```
 /// # use cutflow::flatten::{Shape, pack};
 /// # use nalgebra::Point2;
-/// let triangle = [[0.0, 0.0], [1.0, 1.0], [0.0, 2.0]].map(Point2::from);
-/// let packing = pack(&[Shape { outline: &triangle, landmarks: &[] }], 0.0, None);
-/// assert!((packing.sheet.x - 2.0).abs() < 1e-15 && (packing.sheet.y - 1.0).abs() < 1e-15);
+/// let standing = [[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [0.0, 3.0]].map(Point2::from);
+/// let packing = pack(&[Shape { outline: &standing, landmarks: &[] }], 0.0, None);
+/// assert!((packing.sheet.x - 3.0).abs() < 1e-14 && (packing.sheet.y - 1.0).abs() < 1e-14);
 /// ```
 pub fn pack(shapes: &[Shape], gap: f64, previous: Option<&Packing>) -> Packing {
     let ancestors = match previous {
