@@ -1,4 +1,54 @@
-//! Cutflow: where to cut a curved surface so that it flattens with little distortion.
+//! Cutflow computes **where to cut a curved surface so that it flattens with little distortion**, and turns the pieces
+//! into UV atlases and cutting patterns. The same engine runs in a browser tab and from a terminal.
+//!
+//! # Floors
+//!
+//! The crate is read from the ground up. A floor may only look down; `tests/it/tidy.rs` holds this table.
+//!
+//! | floor | module | what lives there |
+//! |---|---|---|
+//! | 0 | [`linalg`] | sparse symmetric systems: analyse once, factor often, solve often. Names the linear-algebra crate |
+//! | 0 | [`mesh`] | connectivity, refinement along cuts, opening, OBJ bytes. Knows no metric |
+//! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance |
+//! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cutgraph`] (disks) |
+//! | 3 | [`flatten`] | patch → chart: BFF, measures, overlaps, packing |
+//! | 4 | [`pattern`] | chart → piece in millimetres: seams, sheet, bytes of SVG, OBJ, JSON |
+//! | 5 | [`session`] | commands in, events out: documents, parameters, undo, scenes, reports. The only serde |
+//! | 6 | `viewer` | wgpu pictures of [`session::scene`]. Knows no geometry processing |
+//! | 6 | `web` | two wasm files: `Engine` (worker, no graphics) and `Viewer` (page, no solvers) |
+//! | 6 | `bin/cutflow.rs` | the same session from a terminal |
+//!
+//! # From a file to a pattern
+//!
+//! bytes → [`mesh::Soup`] (the file as it stands, kept for exports) → [`mesh::Mesh`] + [`geometry::Geometry`] of unit area →
+//! [`methods::cutflow::CutFlow`] (labels and level sets) → [`mesh::CutMesh`] (the surface refined along the cut) →
+//! [`methods::cutgraph`] (more cuts until all patches are disks) → [`mesh::OpenedMesh`] → [`flatten::Flattening`] → packed
+//! charts → [`pattern::Pattern`] → files, and [`session::Scene`] → pictures.
+//!
+//! # Invariants, stated as absences
+//!
+//! `mesh` knows no positions · nothing below `session` is serialisable · nothing below `web` knows a browser · the engine
+//! reads no clock, opens no file, starts no thread, draws no random number of its own · the viewer knows no geometry
+//! processing · the page knows no geometry · there is no global state.
+//!
+//! # Conventions
+//!
+//! f64, radians and model units in the engine; the flow works on a copy of unit area about the origin, and its weights are
+//! for that. `twin(h) = h ^ 1`; faces are counter-clockwise seen from outside; the triangle (0,0) (1,0) (0,1) has area +½.
+//! The cotan Laplacian is weak and positive semi-definite: L u = M f. Angle defects are integrated, face curvatures
+//! pointwise. `u` is the log scale factor (length ratio eᵘ), negative level sets are inside.
+//!
+//! # Words
+//!
+//! **cut** on the surface · **patch** a part of the surface between cuts · **seam** a stretch of cut with its partner ·
+//! **chart** a patch in the plane · **piece** a chart in millimetres · **crossing** where a cut meets an edge · **label** the
+//! region of a vertex; several patches may share one · **rim** the outline of a patch.
+//!
+//! # Papers
+//!
+//! \[VSC\] Sharp, Crane: *Variational Surface Cutting*, 2018 · \[BFF\] Sawhney, Crane: *Boundary First Flattening*, 2017 ·
+//! \[EW05\] Erickson, Whittlesey: *Greedy Optimal Homotopy and Homology Generators*, 2005 · \[KS98\] Kimmel, Sethian:
+//! *Computing Geodesic Paths on Manifolds*, 1998 · \[SSGH01\] Sander et al.: *Texture Mapping Progressive Meshes*, 2001.
 
 pub mod flatten;
 pub mod geometry;

@@ -22,7 +22,7 @@ mod text;
 
 use std::rc::Rc;
 
-use crate::methods::cutflow::{Checkpoint, CutFlow, initial_labels};
+use crate::methods::cutflow::{Checkpoint, CutFlow, Weights, initial_labels};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, CutSurface, Pattern, Sheet, SheetParams};
 
@@ -385,6 +385,12 @@ impl Session {
                 let name = work.document.name.clone();
                 if let Some(flow) = &mut work.flow {
                     flow.set_params(params).map_err(|e| Problem::solve(&name, &e))?;
+                    if flow.steps() == 0 {
+                        let energy = flow.state().energy();
+                        work.history = vec![HistoryRow::new(0, &energy, params.weights.length)];
+                        let work = &*work;
+                        events.extend(work.energy_curve());
+                    }
                 }
                 events.push(work.measures());
             }
@@ -475,11 +481,12 @@ impl Session {
         work.residual = report.residual;
         if report.step > before {
             let energy = flow.state().energy();
-            let weight = flow.params().weights.length;
-            work.history.push(HistoryRow::new(report.step, &energy, weight));
+            let weights = flow.params().weights;
+            let row = HistoryRow::new(report.step, &energy, weights.length);
+            work.history.push(row);
             work.is_settled = false;
             self.scene_is_new = true;
-            events.push(energy_event(&report));
+            events.push(energy_event(&row, &weights));
         }
         if report.status != Status::Running || report.step as f64 >= limit {
             self.is_running = false;
@@ -501,13 +508,8 @@ impl Session {
 
     /// The curve from the start.
     fn push_energy(&self, events: &mut Vec<Event>) {
-        let Some(work) = &self.work else { return };
-        let weights = work.settings.flow_params().weights;
-        for row in &work.history {
-            let length = weights.length * row.length;
-            let mut terms = vec![Term { name: "Length α|γ|".into(), value: length }];
-            terms.push(Term { name: distortion_name(&weights).into(), value: row.total - length });
-            events.push(Event::Energy { step: row.step, total: row.total, terms });
+        if let Some(work) = &self.work {
+            events.extend(work.energy_curve());
         }
     }
 
@@ -579,6 +581,12 @@ impl Work {
             Some(flow) => flow.state().u().to_vec(),
             None => vec![0.0; self.document.mesh.vertex_count()],
         }
+    }
+
+    /// J and its terms at every step so far.
+    fn energy_curve(&self) -> impl Iterator<Item = Event> + '_ {
+        let weights = self.settings.flow_params().weights;
+        self.history.iter().map(move |row| energy_event(row, &weights))
     }
 
     fn snapshot(&self, label: &str, kind: &str) -> Snapshot {
@@ -856,31 +864,17 @@ fn check_start(document: &Document, settings: &Settings) -> Result<(), Problem> 
     Err(Problem::solve(&document.name, &error))
 }
 
-/// What the plot calls the distortion.
-fn distortion_name(weights: &crate::methods::cutflow::Weights) -> &'static str {
-    match (weights.dirichlet > 0.0, weights.hencky > 0.0) {
-        (true, false) => "Dirichlet",
-        (false, true) => "Hencky",
-        _ => "Distortion",
-    }
-}
-
-fn energy_event(report: &crate::methods::flow::StepReport) -> Event {
-    let term = |id: &str| report.energy.iter().find(|(name, _)| *name == id).map_or(0.0, |t| t.1);
-    let (total, length) = (term("total"), term("length"));
-    let name = match (term("dirichlet") > 0.0, term("hencky") > 0.0) {
+/// A point of the energy plot.
+fn energy_event(row: &HistoryRow, weights: &Weights) -> Event {
+    let distortion = match (weights.dirichlet > 0.0, weights.hencky > 0.0) {
         (true, false) => "Dirichlet",
         (false, true) => "Hencky",
         _ => "Distortion",
     };
-    Event::Energy {
-        step: report.step,
-        total,
-        terms: vec![
-            Term { name: "Length α|γ|".into(), value: length },
-            Term { name: name.into(), value: total - length },
-        ],
-    }
+    let term = |name: &str, value: f64| Term { name: name.into(), value };
+    let terms =
+        vec![term("Length α|γ|", row.total - row.distortion), term(distortion, row.distortion)];
+    Event::Energy { step: row.step, total: row.total, terms }
 }
 
 fn error_event(problem: Problem, shows_rejected_mesh: bool) -> Event {

@@ -82,7 +82,7 @@ fn predicted_and_actual_decrease_agree_with_two_regions_and_with_triple_points()
             assert!(flow.state().triple_point_count() > 3, "{name} must have triple points");
         }
         // Crossings start at the middle of edges, where diagonals of evenly divided faces tie and J has kinks.
-        for _ in 0..2 {
+        for _ in 0..6 {
             flow.step().unwrap();
         }
         let count = flow.state().crossing_count();

@@ -3,6 +3,7 @@
 mod cutgraphs;
 mod cutting;
 mod flattening;
+mod golden;
 mod measuring;
 mod patterns;
 mod reading;

@@ -1,0 +1,169 @@
+//! The figures: every time as a ratio to one numeric factorisation of the same mesh's Laplacian, in the same run.
+//!
+//! A ratio means something on a machine that is busy or slow; seconds do not. Each figure stands beside its limit.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use cutflow::geometry::{Geometry, Laplacian};
+use cutflow::linalg::{Analysis, Factor};
+use cutflow::mesh::Mesh;
+use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial, Weights};
+use cutflow::methods::flow::{Flow, Status};
+use cutflow::session::{Command, Session, samples};
+use nalgebra::{Point3, Vector3};
+
+/// One figure.
+struct Row {
+    name: String,
+    value: f64,
+    unit: &'static str,
+    /// Largest value that was promised.
+    limit: Option<f64>,
+}
+
+#[expect(clippy::disallowed_methods, reason = "a benchmark reads the clock")]
+fn seconds(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn sphere(frequency: u32) -> (Mesh, Geometry) {
+    let soup = samples::icosphere(frequency);
+    let triangles: Vec<[u32; 3]> =
+        (0..soup.polygon_count()).map(|i| [0, 1, 2].map(|k| soup.polygon(i)[k])).collect();
+    let mesh = Mesh::new(soup.positions.len(), &triangles).expect("a sphere is a surface");
+    let (geometry, _) = Geometry::unit_area(&mesh, &soup.positions).expect("a sphere has an area");
+    (mesh, geometry)
+}
+
+/// Median time of a numeric factorisation of the Laplacian plus a hundredth of the mass.
+fn factorisation(mesh: &Mesh, geometry: &Geometry, repeats: usize) -> f64 {
+    let laplacian = Laplacian::new(mesh, geometry);
+    let mut values = laplacian.values.clone();
+    for (v, area) in geometry.vertex_dual_areas(mesh).iter().enumerate() {
+        values[laplacian.pattern.diagonal(v)] += 0.01 * area;
+    }
+    let analysis = Arc::new(Analysis::new(laplacian.pattern).expect("memory suffices"));
+    let mut factor = Factor::new(analysis, &values).expect("the matrix is positive definite");
+    let refactor = |_| seconds(|| factor.refactor(&values).expect("as before"));
+    median((0..repeats).map(refactor).collect())
+}
+
+fn params(dirichlet: f64, hencky: f64) -> CutFlowParams {
+    let weights = Weights { dirichlet, hencky, length: 2.0 };
+    CutFlowParams { weights, ..CutFlowParams::default() }
+}
+
+/// Mean time of a step, failed trials included, over the first steps of a run.
+fn step_time(flow: &mut CutFlow, steps: usize) -> f64 {
+    let mut total = 0.0;
+    let before = flow.steps();
+    while flow.steps() < before + steps && flow.status() == Status::Running {
+        total += seconds(|| {
+            flow.step().expect("the sphere can be cut");
+        });
+    }
+    total / (flow.steps() - before) as f64
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let is_quick = arguments.iter().any(|a| a == "--quick");
+    let json = arguments.iter().position(|a| a == "--json").and_then(|i| arguments.get(i + 1));
+    let mut rows = Vec::new();
+
+    let sizes: &[u32] = if is_quick { &[32] } else { &[32, 64] };
+    for &frequency in sizes {
+        let (mesh, geometry) = sphere(frequency);
+        let vertices = mesh.vertex_count();
+        let repeats = if is_quick { 7 } else { 15 };
+        let unit = factorisation(&mesh, &geometry, repeats);
+        rows.push(Row {
+            name: format!("numeric factorisation, {vertices} vertices"),
+            value: 1e3 * unit,
+            unit: "ms",
+            limit: None,
+        });
+        let plane = Initial::Plane { point: Point3::origin(), normal: Vector3::z() };
+        let clusters = Initial::NormalClusters { angle: 45f64.to_radians(), regions: 10 };
+        for (name, initial, weights, limit) in [
+            ("two regions", plane, params(10.0, 0.0), 4.0),
+            ("many patches", clusters, params(0.0, 3000.0), 7.0),
+        ] {
+            let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &initial, weights)
+                .expect("the sphere can be cut");
+            let steps = if is_quick { 15 } else { 40 };
+            let time = step_time(&mut flow, steps);
+            // Again afterwards: a machine that slows down slows both.
+            let after = factorisation(&mesh, &geometry, repeats);
+            rows.push(Row {
+                name: format!("step, {name}, {vertices} vertices"),
+                value: time / (0.5 * (unit + after)),
+                unit: "factorisations",
+                limit: Some(limit),
+            });
+        }
+    }
+
+    let (mesh, geometry) = sphere(32);
+    let plane = Initial::Plane { point: Point3::origin(), normal: Vector3::z() };
+    let mut flow = CutFlow::new(mesh, geometry, &plane, params(10.0, 0.0)).expect("as above");
+    for _ in 0..60 {
+        flow.step().expect("as above");
+    }
+    rows.push(Row {
+        name: "J of the 10242-vertex sphere, w_D 10, after 60 steps".into(),
+        value: flow.state().energy().total,
+        unit: "",
+        limit: Some(15.8),
+    });
+
+    // The same script as tests/bench/engine.mjs runs in wasm.
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: "ball".into() });
+    session.handle(Command::Run);
+    let mut advance = |count: usize| {
+        let mut left = count;
+        session.advance(&mut || {
+            left -= 1;
+            left > 0
+        });
+    };
+    advance(10);
+    let native = seconds(|| advance(20)) / 20.0;
+    rows.push(Row {
+        name: "session step, ball, native".into(),
+        value: 1e3 * native,
+        unit: "ms",
+        limit: None,
+    });
+
+    for row in &rows {
+        let verdict = match row.limit {
+            Some(limit) if row.value <= limit => format!("≤ {limit}: met"),
+            Some(limit) => format!("≤ {limit}: MISSED"),
+            None => String::new(),
+        };
+        println!("{:<56} {:>9.3} {:<15} {verdict}", row.name, row.value, row.unit);
+    }
+    if let Some(path) = json {
+        let list: Vec<serde_json::Value> = rows
+            .iter()
+            .map(|row| {
+                serde_json::json!({
+                    "name": row.name, "value": row.value, "unit": row.unit, "limit": row.limit
+                })
+            })
+            .collect();
+        #[expect(clippy::disallowed_methods, reason = "asked to write the figures")]
+        std::fs::write(path, serde_json::to_string_pretty(&list).expect("plain numbers"))
+            .expect("the file can be written");
+    }
+}
