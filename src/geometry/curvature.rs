@@ -43,7 +43,11 @@ pub fn face_curvatures(mesh: &Mesh, geometry: &Geometry) -> Vec<f64> {
                 .face_vertices(f)
                 .iter()
                 .zip(angles)
-                .map(|(&v, a)| if mesh.is_boundary_vertex(v) { a } else { TAU * a / sums[v.index()] })
+                .map(
+                    |(&v, a)| {
+                        if mesh.is_boundary_vertex(v) { a } else { TAU * a / sums[v.index()] }
+                    },
+                )
                 .sum();
             (augmented - PI) / geometry.face_areas[f.index()]
         })

@@ -20,7 +20,8 @@ pub struct Laplacian {
 impl Laplacian {
     /// Assembles L from corner cotangents: entry ij = −½ (cot α + cot β). **Costs** O(V + F).
     pub fn new(mesh: &Mesh, geometry: &Geometry) -> Self {
-        let pairs: Vec<[u32; 2]> = mesh.edges().map(|e| mesh.edge_vertices(e).map(|v| v.0)).collect();
+        let pairs: Vec<[u32; 2]> =
+            mesh.edges().map(|e| mesh.edge_vertices(e).map(|v| v.0)).collect();
         let (pattern, edge_slots) = Pattern::new(mesh.vertex_count(), &pairs);
         let mut values = vec![0.0; pattern.entry_count()];
         for f in mesh.faces() {

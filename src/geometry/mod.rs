@@ -138,7 +138,8 @@ impl Geometry {
             let [a, b, c] = vertices.map(|v| positions[v.index()]);
             let sides = [b - a, c - b, a - c];
             let doubled = sides[0].cross(&sides[1]).norm();
-            let longest = sides.iter().fold(f64::MIN_POSITIVE, |m, side| m.max(side.norm_squared()));
+            let longest =
+                sides.iter().fold(f64::MIN_POSITIVE, |m, side| m.max(side.norm_squared()));
             let dots = [0, 1, 2].map(|i| -sides[i].dot(&sides[(i + 2) % 3]));
             face_areas.push(0.5 * doubled);
             corner_angles.push(dots.map(|dot| doubled.atan2(dot)));
@@ -213,7 +214,8 @@ impl Geometry {
     pub fn vertex_normals(&self, mesh: &Mesh) -> Vec<Vector3<f64>> {
         let mut normals = vec![Vector3::zeros(); mesh.vertex_count()];
         for (f, normal) in self.face_normals(mesh).into_iter().enumerate() {
-            for (v, angle) in mesh.face_vertices(FaceId::from(f)).iter().zip(self.corner_angles[f]) {
+            for (v, angle) in mesh.face_vertices(FaceId::from(f)).iter().zip(self.corner_angles[f])
+            {
                 normals[v.index()] += normal * angle;
             }
         }

@@ -29,9 +29,8 @@ pub fn angles(sides: [f64; 3]) -> [f64; 3] {
     let s = [(b + (c - a)).max(0.0), (c + (a - b)).max(0.0), (a + (b - c)).max(0.0)];
     let sum = a + b + c;
     // tan²(angle / 2) facing side i = s_j s_k / (sum s_i).
-    let facing = |i: usize| {
-        2.0 * (s[(i + 1) % 3] * s[(i + 2) % 3]).sqrt().atan2((sum * s[i]).sqrt())
-    };
+    let facing =
+        |i: usize| 2.0 * (s[(i + 1) % 3] * s[(i + 2) % 3]).sqrt().atan2((sum * s[i]).sqrt());
     [facing(1), facing(2), facing(0)]
 }
 

@@ -10,12 +10,18 @@
 //!
 //! This is the only module that names a linear-algebra crate (faer).
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
@@ -119,7 +125,8 @@ impl Pattern {
     pub fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for column in 0..self.size {
-            let range = self.column_starts[column] as usize..self.column_starts[column + 1] as usize;
+            let range =
+                self.column_starts[column] as usize..self.column_starts[column + 1] as usize;
             let x_column = x[column];
             let mut sum = values[range.start] * x_column;
             for slot in range.start + 1..range.end {
@@ -132,7 +139,13 @@ impl Pattern {
     }
 
     fn symbolic(&self) -> SymbolicSparseColMatRef<'_, u32> {
-        SymbolicSparseColMatRef::new_checked(self.size, self.size, &self.column_starts, None, &self.rows)
+        SymbolicSparseColMatRef::new_checked(
+            self.size,
+            self.size,
+            &self.column_starts,
+            None,
+            &self.rows,
+        )
     }
 }
 
@@ -180,11 +193,9 @@ impl Factor {
     /// Factors the matrix with these values.
     pub fn new(analysis: Arc<Analysis>, matrix_values: &[f64]) -> Result<Self, LinalgError> {
         let size = analysis.pattern.size;
-        let request = analysis
-            .symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let scratch =
-            MemBuffer::try_new(request).map_err(|_| LinalgError::OutOfMemory { size })?;
+        let request =
+            analysis.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let scratch = MemBuffer::try_new(request).map_err(|_| LinalgError::OutOfMemory { size })?;
         let values = vec![0.0; analysis.symbolic.len_val()];
         let mut factor = Self { analysis, values, scratch };
         factor.refactor(matrix_values)?;

@@ -1,5 +1,10 @@
 //! Surfaces refined along a cut, and opened there.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use super::{EdgeId, FaceId, HalfedgeId, Mesh, MeshError, VertexId};
 
 /// A point of a surface, told by the elements of its mesh.
@@ -109,7 +114,8 @@ impl CutMesh {
         let mut partners = vec![NONE; mesh.halfedge_count()];
         for edge in whole.edges().filter(|e| is_cut[e.index()]) {
             let h = edge.halfedge();
-            if let (Some(left), Some(right)) = (side(&whole, &mesh, h), side(&whole, &mesh, h.twin()))
+            if let (Some(left), Some(right)) =
+                (side(&whole, &mesh, h), side(&whole, &mesh, h.twin()))
             {
                 partners[left.index()] = right.0;
                 partners[right.index()] = left.0;

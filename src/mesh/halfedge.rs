@@ -1,5 +1,10 @@
 //! Halfedges with `twin(h) = h ^ 1`.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 /// Defines an element id: a `u32` that cannot be mistaken for another kind of element.
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -533,7 +538,10 @@ mod tests {
         let at_two = around.iter().position(|&v| v == 2).unwrap();
         assert_eq!(around[(at_two + 1) % 4], 1, "clockwise");
         assert!(mesh.is_boundary_vertex(VertexId(0)) && mesh.halfedge(VertexId(4)).is_none());
-        assert_eq!(mesh.outgoing(VertexId(0)).map(|h| mesh.tip(h).0).collect::<Vec<_>>(), [1, 2, 3]);
+        assert_eq!(
+            mesh.outgoing(VertexId(0)).map(|h| mesh.tip(h).0).collect::<Vec<_>>(),
+            [1, 2, 3]
+        );
     }
 
     #[test]

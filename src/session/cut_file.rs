@@ -27,7 +27,11 @@ struct Point {
 /// not part of it: they are made again.
 pub fn cut_from_json(document: &Document, name: &str, bytes: &[u8]) -> Result<CutMesh, Problem> {
     let wrong = |what: String| {
-        Problem::new(what, format!("{name}."), "Use a cut.json that was written for this very mesh.")
+        Problem::new(
+            what,
+            format!("{name}."),
+            "Use a cut.json that was written for this very mesh.",
+        )
     };
     let file: CutFile = serde_json::from_slice(bytes)
         .map_err(|error| wrong(format!("This is no cut file: {error}.")))?;
@@ -41,7 +45,9 @@ pub fn cut_from_json(document: &Document, name: &str, bytes: &[u8]) -> Result<Cu
     let vertices = document.soup.positions.len();
     if file.vertices != vertices || file.vertex_labels.len() != vertices {
         let count = file.vertices;
-        return Err(wrong(format!("The cut is of a mesh of {count} vertices, this one has {vertices}.")));
+        return Err(wrong(format!(
+            "The cut is of a mesh of {count} vertices, this one has {vertices}."
+        )));
     }
     let labels: Vec<u32> = document
         .soup_vertices
@@ -57,7 +63,10 @@ pub fn cut_from_json(document: &Document, name: &str, bytes: &[u8]) -> Result<Cu
             return Err(wrong(format!("There is no edge from vertex {a} to vertex {b}.")));
         };
         if !(t > 0.0 && t < 1.0) {
-            return Err(wrong(format!("The place {t} on the edge from {} to {} is out of range.", a.0, b.0)));
+            return Err(wrong(format!(
+                "The place {t} on the edge from {} to {} is out of range.",
+                a.0, b.0
+            )));
         }
         crossings.push(if a < b { ([a, b], t) } else { ([b, a], 1.0 - t) });
     }

@@ -1,5 +1,10 @@
 //! An opened mesh, checked and measured.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use nalgebra::{Point3, Vector3};
 
 use super::message::{MeshSummary, NoticeText};
@@ -147,7 +152,11 @@ impl Document {
         let (geometry, frame) =
             Geometry::unit_area(&mesh, &positions).map_err(|error| Refusal {
                 problem: Problem::geometry(name, &error, in_file),
-                scene: rejected_scene(&positions, &triangles, &Marks::of_geometry(&error, &triangles)),
+                scene: rejected_scene(
+                    &positions,
+                    &triangles,
+                    &Marks::of_geometry(&error, &triangles),
+                ),
             })?;
         let topology = mesh.topology();
         let summary = MeshSummary {
@@ -163,7 +172,8 @@ impl Document {
             notices,
         };
         let vertex_normals = geometry.vertex_normals(&mesh);
-        let vertex_curvatures = face_to_vertex(&mesh, &geometry, &face_curvatures(&mesh, &geometry));
+        let vertex_curvatures =
+            face_to_vertex(&mesh, &geometry, &face_curvatures(&mesh, &geometry));
         Ok(Self {
             name: name.to_owned(),
             sample: None,

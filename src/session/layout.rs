@@ -50,7 +50,16 @@ impl Layout {
         let disks = cut_to_disks(&mut cut, &points)?;
         let geometry = measure_opened(&disks.opened, &points);
         let flattening = bff(&disks.opened, &geometry)?;
-        Ok(Self::new(document, cut, points, disks.opened, geometry, flattening, disks.length, previous))
+        Ok(Self::new(
+            document,
+            cut,
+            points,
+            disks.opened,
+            geometry,
+            flattening,
+            disks.length,
+            previous,
+        ))
     }
 
     /// Flattens the disks of a running flow with the factor that it has; other patches wait for their charts.

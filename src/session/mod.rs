@@ -30,8 +30,8 @@ pub use cut_file::{cut_from_json, document_layout};
 pub use document::{Document, Refusal};
 pub use layout::Layout;
 pub use message::{
-    Choice, Command, Condition, Event, File, MeshSummary, NoticeText, ParamKind, ParamSpec, PatternSize, PieceRow,
-    Row, Term, Value,
+    Choice, Command, Condition, Event, File, MeshSummary, NoticeText, ParamKind, ParamSpec,
+    PatternSize, PieceRow, Row, Term, Value,
 };
 pub use params::{Effect, Settings, specs};
 pub use report::{CutReport, FlattenReport, HistoryRow, InfoReport};
@@ -277,8 +277,7 @@ impl Session {
     ) -> Result<(), Refusal> {
         self.is_running = false;
         self.rejected = None;
-        let is_other =
-            self.work.as_ref().is_none_or(|old| !Rc::ptr_eq(&old.document, &document));
+        let is_other = self.work.as_ref().is_none_or(|old| !Rc::ptr_eq(&old.document, &document));
         let mut work = Work {
             document,
             settings,
@@ -476,8 +475,7 @@ impl Session {
             return Ok(());
         };
         let before = flow.steps();
-        let report =
-            flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
+        let report = flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
         work.residual = report.residual;
         if report.step > before {
             let energy = flow.state().energy();
@@ -546,9 +544,7 @@ impl Session {
         } else {
             match work.flow.as_ref().map(CutFlow::status) {
                 None => ("ready", "Ready: choose another initial cut".to_owned()),
-                Some(Status::Converged) => {
-                    ("converged", format!("Converged after {} steps", step))
-                }
+                Some(Status::Converged) => ("converged", format!("Converged after {} steps", step)),
                 Some(Status::Stalled) => (
                     "stalled",
                     format!("Paused at step {step}: no step found that lowers the energy"),
@@ -798,7 +794,8 @@ impl Work {
             opened: &layout.opened,
         };
         let stem = stem(&document.name);
-        let file = |suffix: &str, mime, bytes| File { name: format!("{stem}-{suffix}"), mime, bytes };
+        let file =
+            |suffix: &str, mime, bytes| File { name: format!("{stem}-{suffix}"), mime, bytes };
         match kind {
             "UV mesh (OBJ)" => {
                 let bytes = pattern::uv_obj(&surface, &layout.charts, 1.0 / document.frame.scale);
@@ -811,8 +808,7 @@ impl Work {
             }
             "Pattern (SVG)" => {
                 let mm = self.mm_per_unit();
-                let (pieces, _) =
-                    Pattern::new(&layout.opened, &layout.charts, &layout.points, mm);
+                let (pieces, _) = Pattern::new(&layout.opened, &layout.charts, &layout.points, mm);
                 let params = SheetParams {
                     title: document.name.clone(),
                     mm_per_model_unit: Some(mm * document.frame.scale),
@@ -827,8 +823,7 @@ impl Work {
                     info: InfoReport,
                     cut: CutReport,
                 }
-                let whole =
-                    Whole { info: InfoReport::new(document), cut: self.cut_report(0.0)? };
+                let whole = Whole { info: InfoReport::new(document), cut: self.cut_report(0.0)? };
                 let bytes = serde_json::to_vec_pretty(&whole).map_err(|error| {
                     Problem::new(
                         format!("The report could not be written: {error}."),

@@ -1,5 +1,10 @@
 //! The parameters of the cut flow: one table for sliders, command-line options and help.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "numbers that count are whole and within 32 bits by their ranges"
+)]
+
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
@@ -267,7 +272,9 @@ impl Settings {
         self.values.insert(key, value);
         Ok(Some(match *key {
             "size" => Effect::Export,
-            "init" | "angle" | "regions" | "axis" | "offset" | "vertex" | "radius" => Effect::Restart,
+            "init" | "angle" | "regions" | "axis" | "offset" | "vertex" | "radius" => {
+                Effect::Restart
+            }
             _ => Effect::NextStep,
         }))
     }
@@ -282,7 +289,6 @@ impl Settings {
             },
             cap: self.number("cap"),
             kick: self.number("kick"),
-            // Whole and below 10⁶ by its range.
             seed: self.number("seed") as u64,
             tolerance: self.number("tolerance"),
         }
@@ -324,7 +330,6 @@ impl Settings {
             }
             _ => Initial::NormalClusters {
                 angle: self.number("angle").to_radians(),
-                // Whole and below 64 by its range.
                 regions: self.number("regions") as u32,
             },
         })
@@ -333,8 +338,22 @@ impl Settings {
 
 /// Identifiers of all parameters.
 const IDS: &[&str] = &[
-    "init", "angle", "regions", "axis", "offset", "vertex", "radius", "hencky", "dirichlet", "length", "size",
-    "cap", "steps", "tolerance", "kick", "seed",
+    "init",
+    "angle",
+    "regions",
+    "axis",
+    "offset",
+    "vertex",
+    "radius",
+    "hencky",
+    "dirichlet",
+    "length",
+    "size",
+    "cap",
+    "steps",
+    "tolerance",
+    "kick",
+    "seed",
 ];
 
 #[cfg(test)]
@@ -363,7 +382,9 @@ mod tests {
             ("nonsense", Value::Number(1.0)),
         ] {
             let problem = settings.set(id, value).unwrap_err();
-            assert!(![&problem.what, &problem.place, &problem.what_to_do].iter().any(|t| t.is_empty()));
+            assert!(
+                ![&problem.what, &problem.place, &problem.what_to_do].iter().any(|t| t.is_empty())
+            );
         }
         assert_eq!(settings, before);
     }

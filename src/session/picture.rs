@@ -1,5 +1,10 @@
 //! From a layout to the scene that the viewer draws.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use nalgebra::Vector3;
 
 use super::document::{Document, face_to_vertex};

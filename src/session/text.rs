@@ -64,12 +64,18 @@ impl Problem {
                 "Remove degenerate faces in a modelling program.",
             ),
             MeshError::NonManifoldEdges { edges: list, .. } => Self::new(
-                format!("{} belong to three or more faces, so that the mesh is not a surface there.", plural(list.len(), "edge")),
+                format!(
+                    "{} belong to three or more faces, so that the mesh is not a surface there.",
+                    plural(list.len(), "edge")
+                ),
                 edges(list),
                 "Remove inner walls and fins in a modelling program (Blender: Select › All by Trait › Non Manifold); the edges are marked in red.",
             ),
             MeshError::InconsistentOrientation { edges: list } => Self::new(
-                format!("{} join faces that look in opposite directions.", plural(list.len(), "edge")),
+                format!(
+                    "{} join faces that look in opposite directions.",
+                    plural(list.len(), "edge")
+                ),
                 edges(list),
                 "Let a modelling program make the normals consistent (Blender: Mesh › Normals › Recalculate Outside). If that cannot be done, the surface is one-sided.",
             ),
@@ -95,7 +101,10 @@ impl Problem {
     pub fn geometry(name: &str, error: &GeometryError, vertex: impl Fn(usize) -> usize) -> Self {
         match error {
             GeometryError::NotFinite { vertices } => Self::new(
-                format!("{} have coordinates that are not finite.", plural(vertices.len(), "vertex")),
+                format!(
+                    "{} have coordinates that are not finite.",
+                    plural(vertices.len(), "vertex")
+                ),
                 format!("{name}, first vertex {} (counted from 0).", vertex(vertices[0].index())),
                 "Remove the broken vertices and export the file again.",
             ),

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
+use cutflow::mesh::VertexId;
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial, Weights, initial_labels};
 use cutflow::methods::flow::{Flow, SolveError, Status};
-use cutflow::mesh::VertexId;
 use nalgebra::{Point3, Vector3};
 
 use crate::surfaces::Surface;
@@ -42,7 +42,10 @@ fn the_equator_has_its_exact_energies_and_the_error_falls_with_the_square_of_the
     for i in 0..2 {
         assert!(fine[i] < 1e-3, "error {}", fine[i]);
         // Second order: a factor of 4, with a margin for the irregular vertices.
-        assert!(coarse[i] > 3.3 * middle[i] && middle[i] > 3.3 * fine[i], "{i}: {coarse:?} {middle:?} {fine:?}");
+        assert!(
+            coarse[i] > 3.3 * middle[i] && middle[i] > 3.3 * fine[i],
+            "{i}: {coarse:?} {middle:?} {fine:?}"
+        );
     }
 }
 
@@ -98,7 +101,10 @@ fn predicted_and_actual_decrease_agree_with_two_regions_and_with_triple_points()
             let (_, behind) = flow.directional_derivative(direction, -length).unwrap();
             let actual = (ahead - behind) / (2.0 * length);
             let scale = predicted.abs().max(1e-3 * flow.state().energy().total);
-            assert!((actual - predicted).abs() < 1e-3 * scale, "{name}, {mode}: {predicted} {actual}");
+            assert!(
+                (actual - predicted).abs() < 1e-3 * scale,
+                "{name}, {mode}: {predicted} {actual}"
+            );
         }
     }
 }
@@ -119,8 +125,10 @@ fn run_checked(flow: &mut CutFlow, steps: usize) {
             let wanted = new[v.index()];
             let moves = if before == 0 { 2 } else { 1 };
             // In the first step the kick moves the cut as well.
-            let is_near = |v: VertexId| mesh.outgoing(v).any(|h| labels[mesh.tip(h).index()] == wanted);
-            let reached = is_near(v) || (moves == 2 && mesh.outgoing(v).any(|h| is_near(mesh.tip(h))));
+            let is_near =
+                |v: VertexId| mesh.outgoing(v).any(|h| labels[mesh.tip(h).index()] == wanted);
+            let reached =
+                is_near(v) || (moves == 2 && mesh.outgoing(v).any(|h| is_near(mesh.tip(h))));
             assert!(reached, "the cut jumped over vertex {} in step {}", v.0, report.step);
         }
         labels = new.to_vec();
@@ -298,11 +306,9 @@ fn several_components_are_cut_together_and_uncut_ones_rest() {
     }
     let surface = Surface::from_soup("three balls", &soup);
     let low = surface.geometry.positions.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-    let radius = surface.geometry.positions[..offset as usize]
-        .iter()
-        .map(|p| p.z - low)
-        .fold(0.0, f64::max)
-        / 2.0;
+    let radius =
+        surface.geometry.positions[..offset as usize].iter().map(|p| p.z - low).fold(0.0, f64::max)
+            / 2.0;
     let initial =
         Initial::Plane { point: Point3::new(0.0, 0.0, low + radius), normal: Vector3::z() };
     let mut flow = flow(surface, &initial, weights(10.0, 0.0, 2.0));

@@ -1,5 +1,13 @@
 //! The integration tests, one binary.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::float_cmp,
+    clippy::disallowed_methods,
+    reason = "a test may stop where it meets what it does not expect, and reads and writes files"
+)]
+
 mod cutgraphs;
 mod cutting;
 mod flattening;

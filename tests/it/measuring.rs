@@ -92,7 +92,8 @@ fn measures_do_not_depend_on_place_size_or_numbering() {
             positions.iter().map(|p| [p[1], p[2], p[0]].map(|x| x * scale + offset)).collect();
         let (geometry, _) = Geometry::unit_area(&mesh, &moved).unwrap();
         for f in base.mesh.faces() {
-            let (a, b) = (base.geometry.corner_angles[f.index()], geometry.corner_angles[f.index()]);
+            let (a, b) =
+                (base.geometry.corner_angles[f.index()], geometry.corner_angles[f.index()]);
             for k in 0..3 {
                 assert!((a[k] - b[k]).abs() < tolerance, "scale {scale}, offset {offset}");
             }

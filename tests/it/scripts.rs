@@ -17,20 +17,20 @@ fn errors(events: &[Event]) -> Vec<String> {
 }
 
 fn status(events: &[Event]) -> String {
-    let texts = events.iter().filter_map(|event| match event {
+    let mut texts = events.iter().rev().filter_map(|event| match event {
         Event::Status { text, .. } => Some(text.clone()),
         _ => None,
     });
-    texts.last().unwrap()
+    texts.next().unwrap()
 }
 
 /// The last table of measures: the value now of a row.
 fn measure(events: &[Event], label: &str) -> f64 {
-    let rows = events.iter().filter_map(|event| match event {
+    let mut tables = events.iter().rev().filter_map(|event| match event {
         Event::Measures { rows, .. } => Some(rows),
         _ => None,
     });
-    let row = rows.last().unwrap().iter().find(|row| row.label == label).unwrap();
+    let row = tables.next().unwrap().iter().find(|row| row.label == label).unwrap();
     row.now.unwrap()
 }
 
@@ -216,7 +216,10 @@ fn every_field_can_be_painted_on_every_sample() {
             session.handle(Command::ShowField { id: field.into() });
             let scene = session.scene().unwrap();
             assert_eq!(scene.field.is_some(), field != "pieces");
-            assert_eq!(scene.values.len(), if field == "pieces" { 0 } else { scene.vertex_count() });
+            assert_eq!(
+                scene.values.len(),
+                if field == "pieces" { 0 } else { scene.vertex_count() }
+            );
             if let Some(legend) = scene.field {
                 assert!(legend.range[0] < legend.range[1] && legend.mean.is_finite());
             }

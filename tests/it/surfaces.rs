@@ -69,17 +69,16 @@ impl Surface {
 
 /// Regular, edge √8.
 pub fn tetrahedron() -> Soup {
-    let positions =
-        vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+    let positions = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     Soup::from_triangles(positions, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
 }
 
 /// Side 2, quadrilateral faces.
 pub fn cube() -> Soup {
-    let positions = (0..8)
-        .map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 }))
-        .collect();
-    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let positions =
+        (0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 })).collect();
+    let faces =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     Soup {
         positions,
         corners: faces.concat(),
@@ -93,7 +92,8 @@ pub fn cylinder(around: u32, rows: u32) -> Soup {
     let mut positions = Vec::new();
     for j in 0..=rows {
         for i in 0..around {
-            let angle = std::f64::consts::TAU * (f64::from(i) + 0.5 * f64::from(j)) / f64::from(around);
+            let angle =
+                std::f64::consts::TAU * (f64::from(i) + 0.5 * f64::from(j)) / f64::from(around);
             positions.push([angle.cos(), angle.sin(), 2.0 * f64::from(j) / f64::from(rows)]);
         }
     }

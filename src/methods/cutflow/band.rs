@@ -4,6 +4,11 @@
 //! closest place of that boundary, found by handing segments from vertex to vertex along the mesh: two sheets that are close
 //! in space but not on the surface never see each other.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use nalgebra::{Point3, Vector3};
 
 use super::cut::{Crossing, Cut, NONE, Node};
@@ -457,16 +462,14 @@ impl Places {
                 let distance = away.norm();
                 if w >= 1.0 && distance > 1e-12 {
                     let [e1, e2] = face_axes(problem, segment.face);
-                    let direction =
-                        nalgebra::Vector2::new(away.dot(&e1), away.dot(&e2)) / distance;
+                    let direction = nalgebra::Vector2::new(away.dot(&e1), away.dot(&e2)) / distance;
                     let sign = if inside { 1.0 } else { -1.0 };
                     for i in 0..3 {
                         row[i].1 = sign * mean_slope * response.columns[i].dot(&direction);
                     }
                 } else {
                     for i in 0..3 {
-                        row[i].1 =
-                            sign * w * mean_slope * segment.normal.dot(&response.columns[i]);
+                        row[i].1 = sign * w * mean_slope * segment.normal.dot(&response.columns[i]);
                     }
                     row[spoke].1 += sign * (1.0 - w) * slopes.0[a as usize];
                 }

@@ -1,5 +1,10 @@
 //! The cut as the zero set of labels' level sets: crossings on edges, segments and triple points in faces.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use nalgebra::Vector2;
 
 use crate::geometry::Geometry;
@@ -206,7 +211,11 @@ impl Cut {
             let [a, b] = sides.map(|corner| labels[vertices[corner].index()]);
             let tangent = to - from;
             let length = tangent.norm();
-            let upward = if a < b { corners[sides[1]] - corners[sides[0]] } else { corners[sides[0]] - corners[sides[1]] };
+            let upward = if a < b {
+                corners[sides[1]] - corners[sides[0]]
+            } else {
+                corners[sides[0]] - corners[sides[1]]
+            };
             let mut normal = Vector2::new(-tangent.y, tangent.x) / length.max(1e-300);
             if normal.dot(&upward) < 0.0 {
                 normal = -normal;

@@ -153,7 +153,8 @@ impl Problem {
                     }
                 }
                 if free[i] {
-                    rhs[vertices[i].index()] += curvature * self.geometry.face_areas[f.index()] / 3.0;
+                    rhs[vertices[i].index()] +=
+                        curvature * self.geometry.face_areas[f.index()] / 3.0;
                 }
             }
             let points = cut.face_points(&self.mesh, &self.frames, crossed);
@@ -267,7 +268,8 @@ impl Problem {
         self.for_elements(cut, &solution.u, |area, [a, b, c], _| {
             hencky += area / 6.0 * (a * a + b * b + c * c + a * b + b * c + c * a);
         });
-        let total = weights.dirichlet * dirichlet + weights.hencky * hencky + weights.length * cut.length;
+        let total =
+            weights.dirichlet * dirichlet + weights.hencky * hencky + weights.length * cut.length;
         solution.energy = Energy { total, dirichlet, hencky, length: cut.length };
         Ok(solution)
     }
@@ -323,7 +325,13 @@ impl Problem {
                     pull(triangle, element.mass_forces(u, q, weights.hencky, curvature, weight));
                 }
             }
-            self.add_length_forces(crossed, &points, weights.length, &mut side_forces, &mut centre_force);
+            self.add_length_forces(
+                crossed,
+                &points,
+                weights.length,
+                &mut side_forces,
+                &mut centre_force,
+            );
             for (i, h) in self.mesh.face_halfedges(crossed.face).into_iter().enumerate() {
                 if crossed.crossings[i] == super::cut::NONE {
                     continue;
@@ -424,7 +432,9 @@ impl Element {
     /// Derivative of w_D ∫|∇u|² − ∫∇q·∇u with respect to the places of the corners.
     fn stiffness_forces(&self, u: [f64; 3], q: [f64; 3], weight: f64) -> [Vector2<f64>; 3] {
         let gradient = |values: [f64; 3]| {
-            self.gradients[0] * values[0] + self.gradients[1] * values[1] + self.gradients[2] * values[2]
+            self.gradients[0] * values[0]
+                + self.gradients[1] * values[1]
+                + self.gradients[2] * values[2]
         };
         let (du, dq) = (gradient(u), gradient(q));
         self.gradients.map(|hat| {

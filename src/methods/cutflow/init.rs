@@ -1,5 +1,10 @@
 //! Initial cuts.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -136,7 +141,9 @@ fn normal_clusters(mesh: &Mesh, geometry: &Geometry, angle: f64) -> Vec<u32> {
         while let Some(v) = queue.pop_front() {
             for h in mesh.outgoing(v) {
                 let w = mesh.tip(h);
-                if clusters[w.index()] == NONE && normals[w.index()].dot(&normals[seed.index()]) > least {
+                if clusters[w.index()] == NONE
+                    && normals[w.index()].dot(&normals[seed.index()]) > least
+                {
                     clusters[w.index()] = count;
                     queue.push_back(w);
                 }

@@ -1,5 +1,10 @@
 //! Limited-memory BFGS on a set of unknowns that changes from step to step.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use nalgebra::Point3;
 
 use super::band::crossing_place;

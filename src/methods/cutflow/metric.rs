@@ -66,7 +66,8 @@ impl CurveMetric {
         for response in &responses {
             for i in 0..3 {
                 add(&mut values, response.stiffness[i][(i + 1) % 3]);
-                values[pattern.diagonal(response.crossings[i] as usize)] += response.stiffness[i][i];
+                values[pattern.diagonal(response.crossings[i] as usize)] +=
+                    response.stiffness[i][i];
             }
         }
         let analysis = Arc::new(Analysis::new(pattern.clone())?);

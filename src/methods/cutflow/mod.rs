@@ -80,7 +80,11 @@ impl CutFlowParams {
         within("step cap", self.cap, 0.01, 2.0)?;
         within("kick", self.kick, 0.0, 2.0)?;
         within("tolerance", self.tolerance, 0.0, 1.0)?;
-        if self.weights.dirichlet + self.weights.hencky > 0.0 { Ok(()) } else { Err(SolveError::NoEnergy) }
+        if self.weights.dirichlet + self.weights.hencky > 0.0 {
+            Ok(())
+        } else {
+            Err(SolveError::NoEnergy)
+        }
     }
 }
 
@@ -305,16 +309,12 @@ impl CutFlow {
     /// Goes back to a checkpoint of a flow on the same surface. Later steps repeat bit for bit.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), SolveError> {
         let (cut, solution) = self.evaluate(&checkpoint.levels)?;
-        let (levels, response) = LevelSets::rebuild(
-            &self.problem,
-            &cut,
-            checkpoint.levels.clone(),
-            self.mean_edge,
+        let (levels, response) =
+            LevelSets::rebuild(&self.problem, &cut, checkpoint.levels.clone(), self.mean_edge);
+        self.spare = Some(
+            std::mem::replace(&mut self.state, CutState { levels, response, cut, solution })
+                .solution,
         );
-        self.spare = Some(std::mem::replace(
-            &mut self.state,
-            CutState { levels, response, cut, solution },
-        ).solution);
         self.progress = checkpoint.progress.clone();
         self.status = checkpoint.status;
         Ok(())
@@ -396,8 +396,7 @@ impl CutFlow {
     }
 
     fn accept(&mut self, levels: LevelSets, cut: Cut, solution: Solution) {
-        let (levels, response) =
-            LevelSets::rebuild(&self.problem, &cut, levels, self.mean_edge);
+        let (levels, response) = LevelSets::rebuild(&self.problem, &cut, levels, self.mean_edge);
         let old = std::mem::replace(&mut self.state, CutState { levels, response, cut, solution });
         self.spare = Some(old.solution);
     }
