@@ -33,7 +33,12 @@ pub fn bench(arguments: Vec<String>) -> Result<()> {
     let wasm: f64 = String::from_utf8_lossy(&output.stdout).trim().parse()?;
     let verdict = if wasm <= 3.0 * native { "met" } else { "MISSED" };
     println!("{:<56} {wasm:>9.3} ms", "session step, ball, wasm in Node");
-    println!("{:<56} {:>9.3} {:<15} ≤ 3: {verdict}", "wasm step over native step", wasm / native, "");
+    println!(
+        "{:<56} {:>9.3} {:<15} ≤ 3: {verdict}",
+        "wasm step over native step",
+        wasm / native,
+        ""
+    );
     sizes::print(&pkg())
 }
 
