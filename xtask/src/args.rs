@@ -40,11 +40,6 @@ impl Args {
             .transpose()
     }
 
-    /// All that is left, for a command that hands it on.
-    pub fn rest(self) -> Vec<String> {
-        self.0
-    }
-
     pub fn finish(self) -> Result<()> {
         match self.0.first() {
             None => Ok(()),

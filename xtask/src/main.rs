@@ -38,7 +38,7 @@ cargo xtask COMMAND
   build [--dist]              build www/pkg/: engine and viewer as WebAssembly
   dist  [--out DIR]           a static folder (default: dist) that works from any path of any static host
   bench [--quick] [--json FILE]
-                              the figures, as ratios, and the sizes of the wasm files that are built
+                              the figures, as ratios, natively and in wasm, and the sizes of the wasm files
   help                        this text
 
 --dist builds what people download: link-time optimised and squeezed, several minutes.
@@ -83,7 +83,7 @@ fn run() -> Result<()> {
             args.finish()?;
             dist::dist(out.as_deref())
         }
-        "bench" => bench::bench(args.rest()),
+        "bench" => bench::bench(args),
         "help" | "--help" | "-h" => {
             println!("{HELP}");
             Ok(())
