@@ -13,7 +13,7 @@ const WHEEL_ZOOM = 1.25;
 /** Pixels that one press of an arrow key stands for. */
 const KEY_DRAG = 24;
 /** The longer side of an exported picture has this many pixels at least. */
-const PICTURE_PX = 2048;
+const PICTURE_PX = 1600;
 /** Losing the graphics more often than this in a row means that they cannot be had. */
 const REBUILDS = 4;
 
