@@ -4,6 +4,9 @@ import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
 
+/** Solvers, software graphics and whatever else the machine does share a core or two here. */
+export const PATIENCE_MS = 60_000;
+
 /** What a software WebGPU with visible canvases takes; any other combination has a device and draws nothing. */
 const WEBGPU = [
   "--enable-unsafe-webgpu",
@@ -31,6 +34,7 @@ export async function open(renderer) {
     headless: true,
   });
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, reducedMotion: "reduce", colorScheme: "light" });
+  page.setDefaultTimeout(PATIENCE_MS);
   const troubles = [];
   page.on("console", (message) => message.type() === "error" && troubles.push(message.text()));
   page.on("pageerror", (error) => troubles.push(error.stack ?? String(error)));

@@ -2,8 +2,7 @@
 
 import { readFile } from "node:fs/promises";
 
-/** Software graphics and solvers share two cores with the browser here. */
-const PATIENCE_MS = 60_000;
+import { PATIENCE_MS } from "./chromium.mjs";
 
 export class Page {
   constructor(page) {
@@ -72,7 +71,7 @@ export class Page {
 
   async exportBytes(item) {
     const [download] = await Promise.all([
-      this.page.waitForEvent("download", { timeout: PATIENCE_MS }),
+      this.page.waitForEvent("download"),
       this.press("Export").then(() => this.page.getByRole("menuitem", { name: item, exact: true }).click()),
     ]);
     return readFile(await download.path());
@@ -89,7 +88,7 @@ export class Page {
   /** The paragraphs of the error that is shown. */
   async error() {
     const alert = this.page.getByRole("alert");
-    await alert.waitFor({ state: "visible", timeout: PATIENCE_MS });
+    await alert.waitFor({ state: "visible" });
     const paragraphs = await alert.locator("p").allTextContents();
     return paragraphs.map((text) => text.trim()).filter(Boolean);
   }
