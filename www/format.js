@@ -47,7 +47,7 @@ export function measure(value, unit = "") {
 }
 
 /** A fraction as per cent. */
-export const percent = (fraction) => `${fixed(100 * fraction, 1)}\u00a0%`;
+export const percent = (fraction) => `${fraction > 0 && fraction < 5e-4 ? "<\u202f0.1" : fixed(100 * fraction, 1)}\u00a0%`;
 
 /** `1 piece`, `2 pieces`. */
 export const plural = (n, one, many = `${one}s`) => `${count(n)} ${n === 1 ? one : many}`;
