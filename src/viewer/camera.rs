@@ -72,12 +72,14 @@ pub struct Orbit {
     yaw: f32,
     pitch: f32,
     distance: f32,
+    /// Target and distance that frame everything.
+    home: (Vec3, f32),
 }
 
 impl Default for Orbit {
     fn default() -> Self {
         // Three quarters from the front, a little from above.
-        Self { target: Vec3::ZERO, yaw: 0.55, pitch: 0.26, distance: 1.0 }
+        Self { target: Vec3::ZERO, yaw: 0.55, pitch: 0.26, distance: 1.0, home: (Vec3::ZERO, 1.0) }
     }
 }
 
@@ -115,6 +117,7 @@ impl Orbit {
             };
             distance.max(sideways).max(nearest(1.0)).max(nearest(-1.0))
         });
+        self.home = (self.target, self.distance);
     }
 
     /// Turns by a movement of the pointer: half a turn for the shorter side of the view.
@@ -131,16 +134,27 @@ impl Orbit {
         self.target = (self.target - right * step.x + up * step.y).clamp_length_max(2.0);
     }
 
-    /// Magnifies by `factor` about a place of the screen, which stays where it is.
-    pub fn zoom(&mut self, factor: f32, css: Vec2, viewport: Viewport) {
+    /// Magnifies by `factor` about `pivot`, a point in space that stays where it is on the screen. About a
+    /// point of the surface the eye comes ever closer to it and never through it.
+    ///
+    /// On the way out the target is led back, so that far enough out everything is in the middle again.
+    pub fn zoom(&mut self, factor: f32, pivot: Vec3) {
+        let (home, far) = self.home;
         let before = self.distance;
-        self.distance = (before / factor).clamp(0.15, 30.0);
-        // The point of the target's plane under the pointer: moves with the ratio of the distances.
-        let ndc = viewport.to_ndc(css);
-        let half = (FIELD_OF_VIEW / 2.0).tan();
-        let (right, up) = self.axes();
-        let offset = (right * ndc.x * viewport.aspect() + up * ndc.y) * half;
-        self.target = (self.target + offset * (before - self.distance)).clamp_length_max(2.0);
+        self.distance = (before / factor).clamp(0.02 * far, 3.0 * far);
+        let off_before = self.target.distance(home);
+        self.target = pivot + (self.target - pivot) * (self.distance / before);
+        if factor < 1.0 {
+            // As far off as zooming in to a point of the ball could have led, or a little less than now.
+            let allowed = (1.2 * (1.0 - self.distance / far)).max(0.85 * off_before);
+            self.target = home + (self.target - home).clamp_length_max(allowed);
+        }
+    }
+
+    /// The point under a place of the screen that is as far away as the target.
+    pub fn beside_target(&self, css: Vec2, viewport: Viewport) -> Vec3 {
+        let ray = self.ray(css, viewport);
+        ray.origin + ray.direction * self.distance
     }
 
     /// From the target towards the eye.
@@ -341,15 +355,34 @@ mod tests {
         let mut orbit = orbit();
         let css = Vec2::new(420.0, 130.0);
         let ray = orbit.ray(css, VIEWPORT);
-        let held = ray.origin + ray.direction * orbit.distance;
-        orbit.zoom(1.7, css, VIEWPORT);
+        let before = orbit;
+        let held = ray.origin + ray.direction * (orbit.distance - 0.7);
+        orbit.zoom(1.7, held);
         let after = to_screen(&orbit.projection(VIEWPORT), held);
         assert!(after.distance(css) < 0.05, "moved to {after}");
+        orbit.zoom(1.0 / 1.7, held);
+        assert!((orbit.target - before.target).length() < 1e-4, "out again by the same way");
 
         let mut sheet = Sheet::default();
         let held = sheet.to_sheet(css, VIEWPORT);
         sheet.zoom(3.0, css, VIEWPORT);
         assert!(sheet.to_screen(held, VIEWPORT).distance(css) < 1e-2);
+    }
+
+    #[test]
+    fn the_eye_never_passes_what_it_zooms_to_and_comes_home() {
+        let mut orbit = orbit();
+        let pivot = orbit.backward();
+        for _ in 0..40 {
+            orbit.zoom(1.3, pivot);
+        }
+        assert!((orbit.eye() - pivot).dot(pivot) > 0.0);
+        assert!(orbit.projection(VIEWPORT).world_to_clip.is_finite());
+        orbit.pan(Vec2::new(300.0, 200.0), VIEWPORT);
+        for _ in 0..80 {
+            orbit.zoom(0.8, orbit.beside_target(Vec2::new(90.0, 40.0), VIEWPORT));
+        }
+        assert!(orbit.target.distance(orbit.home.0) < 0.1, "{}", orbit.target);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! The only thing known of the rest of the crate is [`Scene`](crate::session::scene::Scene): arrays of
 //! numbers. There is no geometry processing here and no browser; a canvas comes in through
-//! [`canvas`], which exists for wasm only, and the class that the page talks to is
+//! `canvas`, which exists for wasm only, and the class that the page talks to is
 //! [`web::Viewer`](crate::web).
 //!
 //! From the ground up: [`color`] and [`camera`] are arithmetic, [`pick`] finds the triangle under the

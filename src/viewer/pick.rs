@@ -6,7 +6,7 @@ use super::camera::Ray;
 use glam::Vec3;
 
 /// Triangles per leaf: fewer make the tree deep, more make a leaf slow.
-const LEAF: usize = 4;
+const LEAF: usize = 8;
 
 /// Where a ray met a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]

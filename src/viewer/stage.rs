@@ -100,8 +100,10 @@ pub struct Stage {
     checker_cell: f32,
     hierarchies: [Option<Hierarchy>; 2],
     orbit: Orbit,
+    /// Whether nobody has moved the orbit since it was fitted: then it follows the size of the view.
+    orbit_is_fitted: bool,
     sheet: Sheet,
-    /// Whether nobody has moved the sheet since it was fitted: then it follows the layout.
+    /// The same of the sheet, which then follows the layout as well.
     sheet_is_fitted: bool,
     viewports: [Viewport; 2],
     is_dark: bool,
@@ -122,6 +124,7 @@ impl Default for Stage {
             checker_cell: 1.0,
             hierarchies: [None, None],
             orbit: Orbit::default(),
+            orbit_is_fitted: true,
             sheet: Sheet::default(),
             sheet_is_fitted: true,
             viewports: [Viewport::default(); 2],
@@ -232,7 +235,7 @@ impl Stage {
         }
     }
 
-    /// Size of a view. The orbit keeps its distance in units of the view's shorter side.
+    /// Size of a view. What nobody has moved is fitted again.
     pub fn resize(&mut self, view: View, viewport: Viewport) {
         let was_empty = self.viewport(view).is_empty();
         if viewport == self.viewport(view) {
@@ -244,7 +247,7 @@ impl Stage {
             return;
         }
         match view {
-            View::Surface if was_empty => self.fit_orbit(),
+            View::Surface if was_empty || self.orbit_is_fitted => self.fit_orbit(),
             View::Flat if was_empty || self.sheet_is_fitted => {
                 self.sheet.fit(self.scene.sheet, viewport);
             }
@@ -268,7 +271,10 @@ impl Stage {
     pub fn pan(&mut self, view: View, movement: Vec2) {
         let Some(viewport) = self.usable(view, movement) else { return };
         match view {
-            View::Surface => self.orbit.pan(movement, viewport),
+            View::Surface => {
+                self.orbit.pan(movement, viewport);
+                self.orbit_is_fitted = false;
+            }
             View::Flat => {
                 self.sheet.pan(movement);
                 self.sheet_is_fitted = false;
@@ -283,7 +289,14 @@ impl Stage {
             return;
         }
         match view {
-            View::Surface => self.orbit.zoom(factor, css, viewport),
+            View::Surface => {
+                let pivot = match self.pick(view, css) {
+                    Some(pick) => pick.place,
+                    None => self.orbit.beside_target(css, viewport),
+                };
+                self.orbit.zoom(factor, pivot);
+                self.orbit_is_fitted = false;
+            }
             View::Flat => {
                 self.sheet.zoom(factor, css, viewport);
                 self.sheet_is_fitted = false;
@@ -308,6 +321,7 @@ impl Stage {
         if !viewport.is_empty() {
             let points = self.scene.positions.as_chunks().0.iter().copied();
             self.orbit.fit(points.map(Vec3::from_array), viewport);
+            self.orbit_is_fitted = true;
         }
     }
 
