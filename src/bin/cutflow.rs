@@ -5,10 +5,18 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use cutflow::flatten::NoChart;
 use cutflow::session::{
-    Command, Event, FlattenReport, Layout, Problem, Session, Value, cut_from_json, document_layout,
+    Command, Document, Event, FlattenReport, InfoReport, Layout, Problem, Refusal, Session,
+    Settings, Value, cut_from_json, document_layout,
 };
+
+/// Prints a line. A reader that has gone away is no error: `cutflow info mesh.obj | head -1` is a good question.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
 
 /// Computes where to cut a curved surface so that its pieces flatten with little distortion.
 #[derive(Parser)]
@@ -157,44 +165,48 @@ fn main() -> ExitCode {
 }
 
 fn info(mesh: &str, report: &Report) -> Result<(), Problem> {
-    let session = open(mesh)?;
-    let Some(info) = session.info_report() else { return Err(lost(mesh)) };
+    let info = InfoReport::new(&open(mesh).map_err(|refusal| refusal.problem)?);
     if !writes_to_stdout(report) {
         let shape = match info.boundary_loops {
             0 => "closed".to_owned(),
             1 => "1 boundary loop".to_owned(),
             n => format!("{n} boundary loops"),
         };
-        println!("{mesh}");
-        println!("  {} vertices, {} faces", info.vertices, info.faces);
+        say!("{mesh}");
+        say!("  {} vertices, {} faces", info.vertices, info.faces);
         let components = if info.components == 1 { "component" } else { "components" };
-        println!("  {} {components}, {shape}, genus {}", info.components, info.genus);
-        println!("  area {:.6} (unit of the file, squared)", info.area);
+        say!("  {} {components}, {shape}, genus {}", info.components, info.genus);
+        say!("  area {:.6} (unit of the file, squared)", info.area);
         for notice in &info.notices {
-            println!("  note: {}", notice.text);
+            say!("  note: {}", notice.text);
         }
     }
     write_json(report, &info)
 }
 
-fn cut(args: &CutArgs) -> Result<(), Problem> {
-    let mut session = open(&args.mesh)?;
-    let weight = |default: f64| args.weight.unwrap_or(default);
+/// The parameters that the options ask for.
+fn settings(args: &CutArgs) -> Result<Settings, Problem> {
+    let mut settings = Settings::for_sample(None);
+    let init = match args.init {
+        Init::Plane => "plane",
+        Init::Circle => "circle",
+        Init::Normals => "normals",
+    };
     let (dirichlet, hencky) = match args.energy {
-        EnergyKind::Dirichlet => (weight(10.0), 0.0),
-        EnergyKind::Hencky => (0.0, weight(3000.0)),
+        EnergyKind::Dirichlet => (args.weight.unwrap_or(10.0), 0.0),
+        EnergyKind::Hencky => (0.0, args.weight.unwrap_or(3000.0)),
     };
-    // The larger weight first: both must never be zero at once.
-    let weights = match args.energy {
-        EnergyKind::Dirichlet => [("dirichlet", dirichlet), ("hencky", hencky)],
-        EnergyKind::Hencky => [("hencky", hencky), ("dirichlet", dirichlet)],
-    };
-    let mut changes: Vec<(&str, Value)> =
-        weights.into_iter().map(|(id, x)| (id, Value::Number(x))).collect();
-    changes.push(("length", Value::Number(args.length)));
-    changes.push(("tolerance", Value::Number(args.tolerance)));
-    changes.push(("steps", Value::Number(args.steps.max(1) as f64)));
+    settings.set("init", Value::Text(init.into()))?;
+    if let Some(axis) = &args.axis {
+        settings.set("axis", Value::Text(axis.clone()))?;
+    }
     for (id, value) in [
+        ("dirichlet", Some(dirichlet)),
+        ("hencky", Some(hencky)),
+        ("length", Some(args.length)),
+        ("tolerance", Some(args.tolerance)),
+        // 0 steps are none at all: the loop below does not begin.
+        ("steps", Some(args.steps.max(1) as f64)),
         ("regions", args.regions),
         ("angle", args.angle),
         ("offset", args.offset),
@@ -205,20 +217,16 @@ fn cut(args: &CutArgs) -> Result<(), Problem> {
         ("seed", args.seed),
         ("size", args.size_mm),
     ] {
-        changes.extend(value.map(|x| (id, Value::Number(x))));
+        if let Some(value) = value {
+            settings.set(id, Value::Number(value))?;
+        }
     }
-    changes.extend(args.axis.clone().map(|axis| ("axis", Value::Text(axis))));
-    // The kind of the initial cut last, when its numbers are set.
-    let init = match args.init {
-        Init::Plane => "plane",
-        Init::Circle => "circle",
-        Init::Normals => "normals",
-    };
-    changes.push(("init", Value::Text(init.into())));
-    for (id, value) in changes {
-        tell(session.handle(Command::SetParameter { id: id.into(), value }))?;
-    }
+    Ok(settings)
+}
 
+fn cut(args: &CutArgs) -> Result<(), Problem> {
+    let mut session = Session::new();
+    tell(session.open_with(open(&args.mesh), settings(args)?))?;
     let clock = clock();
     let is_quiet = writes_to_stdout(&args.report);
     if args.steps > 0 {
@@ -236,13 +244,13 @@ fn cut(args: &CutArgs) -> Result<(), Problem> {
             && !is_quiet
         {
             last_shown = row.step;
-            println!("step {:4}  J {:10.4}  cut length {:8.4}", row.step, row.total, row.length);
+            say!("step {:4}  J {:10.4}  cut length {:8.4}", row.step, row.total, row.length);
         }
     }
     let seconds = clock.elapsed().as_secs_f64();
-    let report = session.cut_report(seconds)?;
+    let report = session.cut_report(Some(seconds))?;
     if !is_quiet {
-        println!(
+        say!(
             "{} after {} steps: {} patches, cut length {:.4}, Dirichlet {:.6}, Hencky {:.8}",
             report.status,
             report.steps,
@@ -269,21 +277,16 @@ fn cut(args: &CutArgs) -> Result<(), Problem> {
 }
 
 fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
-    let session = open(&args.mesh)?;
+    let document = open(&args.mesh).map_err(|refusal| refusal.problem)?;
     let Method::Bff = args.method;
     let cut = match &args.cut {
         None => None,
-        Some(path) => {
-            let bytes = read(path)?;
-            let Some(document) = session.document() else { return Err(lost(&args.mesh)) };
-            Some(cut_from_json(document, &path.display().to_string(), &bytes)?)
-        }
+        Some(path) => Some(cut_from_json(&document, &path.display().to_string(), &read(path)?)?),
     };
     let clock = clock();
-    let Some(document) = session.document() else { return Err(lost(&args.mesh)) };
-    let (layout, uv) = document_layout(document, cut)?;
+    let (layout, uv) = document_layout(&document, cut)?;
     let seconds = clock.elapsed().as_secs_f64();
-    let report = FlattenReport::new(&layout, seconds);
+    let report = FlattenReport::new(&layout, Some(seconds));
     if !writes_to_stdout(&args.report) {
         print_flattening(&report);
     }
@@ -294,7 +297,7 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
 
 fn print_flattening(report: &FlattenReport) {
     let totals = &report.totals;
-    println!(
+    say!(
         "{} charts: angle distortion {:.4}, area distortion {:.4}, {} flipped triangles, {} overlaps",
         report.charts.iter().flatten().count(),
         totals.angle_distortion,
@@ -306,39 +309,16 @@ fn print_flattening(report: &FlattenReport) {
 
 /// Names the pieces that something is wrong with.
 fn warn_of_charts(layout: &Layout) {
-    for (patch, chart) in layout.measures.charts.iter().enumerate() {
-        let piece = patch + 1;
-        match chart {
-            None => {
-                let reason: Option<&NoChart> = layout.flattening.charts[patch].as_ref().err();
-                let reason = reason.map(ToString::to_string).unwrap_or_default();
-                eprintln!("warning: piece {piece} is not flattened: {reason}");
-            }
-            Some(m) if m.flipped > 0 => {
-                eprintln!("warning: piece {piece} has {} flipped triangles", m.flipped);
-            }
-            Some(m) if m.overlaps > 0 => {
-                eprintln!(
-                    "warning: the outline of piece {piece} crosses itself {} times",
-                    m.overlaps
-                );
-            }
-            Some(_) => {}
-        }
+    for (patch, note) in layout.notes() {
+        eprintln!("warning: piece {}: {note}", patch + 1);
     }
 }
 
 /// Opens a file or a sample.
-fn open(mesh: &str) -> Result<Session, Problem> {
-    let mut session = Session::new();
-    let events = match mesh.strip_prefix("sample:") {
-        Some(name) => session.handle(Command::OpenSample { name: name.into() }),
-        None => session.open(mesh, &read(Path::new(mesh))?),
-    };
-    // A start that cannot be used is no reason to refuse the mesh: the parameters are still to come.
-    match tell(events) {
-        Err(problem) if session.document().is_none() => Err(problem),
-        _ => Ok(session),
+fn open(mesh: &str) -> Result<Document, Refusal> {
+    match mesh.strip_prefix("sample:") {
+        Some(name) => Document::from_sample(name),
+        None => Document::from_bytes(mesh, &read(Path::new(mesh))?),
     }
 }
 
@@ -358,10 +338,6 @@ fn clock() -> Instant {
     Instant::now()
 }
 
-fn lost(mesh: &str) -> Problem {
-    Problem::new("The mesh was not opened.", mesh, "Check the file with cutflow info.")
-}
-
 fn writes_to_stdout(report: &Report) -> bool {
     report.json.as_deref() == Some(Path::new("-"))
 }
@@ -376,7 +352,7 @@ fn write_json<T: serde::Serialize>(report: &Report, value: &T) -> Result<(), Pro
         )
     })?;
     if writes_to_stdout(report) {
-        println!("{text}");
+        say!("{text}");
         return Ok(());
     }
     write(path, text.as_bytes())

@@ -10,11 +10,10 @@ mod curvature;
 mod distance;
 mod laplacian;
 pub mod polygon;
-pub mod triangle;
 
 use nalgebra::{Point3, Vector3};
 
-use crate::mesh::{EdgeId, FaceId, Mesh, SurfacePoint, VertexId};
+use crate::mesh::{EdgeId, FaceId, HalfedgeId, Mesh, SurfacePoint, VertexId};
 
 pub use curvature::{angle_defects, angle_sums, face_curvatures};
 pub use distance::geodesic_distances;
@@ -64,13 +63,6 @@ pub struct UnitFrame {
     pub scale: f64,
 }
 
-impl UnitFrame {
-    /// A point in model units.
-    pub fn to_model(&self, p: Point3<f64>) -> Point3<f64> {
-        self.centre + p.coords / self.scale
-    }
-}
-
 impl Geometry {
     /// Measures a surface. Isolated vertices may lie anywhere.
     ///
@@ -85,33 +77,23 @@ impl Geometry {
         if !not_finite.is_empty() {
             return Err(GeometryError::NotFinite { vertices: not_finite });
         }
-        let edge_lengths: Vec<f64> = mesh
-            .edges()
-            .map(|e| {
-                let [a, b] = mesh.edge_vertices(e);
-                (positions[a.index()] - positions[b.index()]).norm()
-            })
-            .collect();
-        let longest = edge_lengths.iter().fold(0.0, |m: f64, &l| m.max(l));
+        let geometry = Self::measure(mesh, positions);
+        let longest = geometry.edge_lengths.iter().fold(0.0, |m: f64, &l| m.max(l));
         if !(longest > 1e-100 && longest < 1e100) {
             return Err(GeometryError::NoExtent);
         }
-        let lengths = |f: FaceId| mesh.face_halfedges(f).map(|h| edge_lengths[h.edge().index()]);
         let degenerate: Vec<FaceId> = mesh
             .faces()
             .filter(|&f| {
-                let sides = lengths(f);
-                let longest = sides[0].max(sides[1]).max(sides[2]);
-                !(triangle::area(sides) > 5e-13 * longest * longest)
+                let side = |h: HalfedgeId| geometry.edge_length(h.edge());
+                let longest = mesh.face_halfedges(f).map(side).into_iter().fold(0.0, f64::max);
+                !(2.0 * geometry.face_areas[f.index()] > 1e-12 * longest * longest)
             })
             .collect();
         if !degenerate.is_empty() {
             return Err(GeometryError::DegenerateFaces { faces: degenerate });
         }
-        let face_areas = mesh.faces().map(|f| triangle::area(lengths(f))).collect();
-        let corner_angles = mesh.faces().map(|f| triangle::angles(lengths(f))).collect();
-        let corner_cotangents = mesh.faces().map(|f| triangle::cotangents(lengths(f))).collect();
-        Ok(Self { positions, edge_lengths, face_areas, corner_angles, corner_cotangents })
+        Ok(geometry)
     }
 
     /// Measures the pieces of a cut surface: slivers are legal there, so nothing is refused.

@@ -175,11 +175,6 @@ impl Analysis {
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
-
-    /// Number of entries of the Cholesky factor.
-    pub fn factor_entry_count(&self) -> usize {
-        self.symbolic.len_val()
-    }
 }
 
 /// A numeric Cholesky factor and the memory to compute it again and again.

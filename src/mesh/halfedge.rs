@@ -46,10 +46,6 @@ id!(
     /// A triangle.
     FaceId
 );
-id!(
-    /// A boundary loop.
-    LoopId
-);
 
 impl HalfedgeId {
     /// The same edge in the other direction.

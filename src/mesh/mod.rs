@@ -14,5 +14,5 @@ mod soup;
 
 pub use chains::chains;
 pub use cut_mesh::{CutMesh, OpenedMesh, SurfacePoint};
-pub use halfedge::{EdgeId, FaceId, HalfedgeId, LoopId, Mesh, MeshError, Topology, VertexId};
+pub use halfedge::{EdgeId, FaceId, HalfedgeId, Mesh, MeshError, Topology, VertexId};
 pub use soup::Soup;

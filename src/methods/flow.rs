@@ -1,6 +1,5 @@
 //! Work that advances one bounded step at a time.
 
-use crate::geometry::GeometryError;
 use crate::linalg::LinalgError;
 use crate::mesh::MeshError;
 
@@ -57,9 +56,6 @@ pub enum SolveError {
     /// Connectivity that the method cannot work on.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A metric that the method cannot work on.
-    #[error(transparent)]
-    Geometry(#[from] GeometryError),
     /// The initial cut separates nothing.
     #[error("the initial cut is empty: all {vertices} vertices lie on the same side")]
     EmptyCut {

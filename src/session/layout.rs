@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 
 use super::document::Document;
+use super::text::plural;
 use crate::flatten::{Flattening, Measures, Packing, bff, bff_with, measure, measures};
 use crate::geometry::Geometry;
 use crate::linalg::Factor;
@@ -115,6 +116,26 @@ impl Layout {
     /// Crossings of outlines: with themselves and with each other.
     pub fn overlaps(&self) -> usize {
         self.measures.totals.overlaps + self.overlaps_across
+    }
+
+    /// What a person should know of a patch before using its chart.
+    pub fn note(&self, patch: usize) -> Option<String> {
+        let times = |n: usize| if n == 1 { "once".to_owned() } else { format!("{n} times") };
+        match (&self.flattening.charts[patch], &self.measures.charts[patch]) {
+            (Err(reason), _) => Some(format!("Not flattened: {reason}.")),
+            (Ok(_), Some(m)) if m.flipped > 0 => {
+                Some(format!("{} turned over.", plural(m.flipped, "triangle")))
+            }
+            (Ok(_), Some(m)) if m.overlaps > 0 => {
+                Some(format!("The outline crosses itself {}.", times(m.overlaps)))
+            }
+            (Ok(_), _) => None,
+        }
+    }
+
+    /// All notes, with their patches.
+    pub fn notes(&self) -> impl Iterator<Item = (usize, String)> + '_ {
+        (0..self.opened.patch_count).filter_map(|patch| Some((patch, self.note(patch)?)))
     }
 
     /// Length of all cuts, each counted once.

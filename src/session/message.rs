@@ -60,7 +60,7 @@ pub enum Event {
     /// The samples that can be opened.
     Samples {
         /// All of them.
-        options: Vec<Choice>,
+        options: Vec<SampleChoice>,
         /// The open one.
         current: Option<String>,
     },
@@ -136,10 +136,7 @@ pub enum Event {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Choice {
     /// Stable identifier.
-    #[serde(rename(serialize = "id"))]
     pub id: String,
-    /// The same identifier, under the name that the list of samples uses.
-    pub name: String,
     /// What a person reads.
     pub label: String,
 }
@@ -147,8 +144,19 @@ pub struct Choice {
 impl Choice {
     /// An option.
     pub fn new(id: &str, label: &str) -> Self {
-        Self { id: id.into(), name: id.into(), label: label.into() }
+        Self { id: id.into(), label: label.into() }
     }
+}
+
+/// A generated surface.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SampleChoice {
+    /// Stable identifier.
+    pub name: String,
+    /// What a person reads.
+    pub label: String,
+    /// What it is good for.
+    pub description: String,
 }
 
 /// Facts of an opened mesh.

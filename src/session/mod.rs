@@ -22,7 +22,7 @@ mod text;
 
 use std::rc::Rc;
 
-use crate::methods::cutflow::{Checkpoint, CutFlow, Weights, initial_labels};
+use crate::methods::cutflow::{Checkpoint, CutFlow, Weights};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, CutSurface, Pattern, Sheet, SheetParams};
 
@@ -31,7 +31,7 @@ pub use document::{Document, Refusal};
 pub use layout::Layout;
 pub use message::{
     Choice, Command, Condition, Event, File, MeshSummary, NoticeText, ParamKind, ParamSpec,
-    PatternSize, PieceRow, Row, Term, Value,
+    PatternSize, PieceRow, Row, SampleChoice, Term, Value,
 };
 pub use params::{Effect, Settings, specs};
 pub use report::{CutReport, FlattenReport, HistoryRow, InfoReport};
@@ -40,6 +40,9 @@ pub use text::Problem;
 
 /// Changes that Undo can take back.
 const UNDO_DEPTH: usize = 40;
+
+/// Documents that Undo can go back to, the open one included.
+const UNDO_DOCUMENTS: usize = 3;
 
 /// One open mesh, its cut, and the way back.
 #[derive(Default)]
@@ -60,7 +63,6 @@ struct Work {
     settings: Settings,
     flow: Option<CutFlow>,
     history: Vec<HistoryRow>,
-    residual: f64,
     layout: Option<Layout>,
     /// The layout at rest is of the current cut.
     is_settled: bool,
@@ -78,6 +80,7 @@ struct Snapshot {
     settings: Settings,
     checkpoint: Option<Checkpoint>,
     history: Vec<HistoryRow>,
+    start: Option<Vec<Row>>,
 }
 
 impl Session {
@@ -89,6 +92,11 @@ impl Session {
     /// Does what a person asks for, in short time.
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
+        // Who works on is done with the refused mesh.
+        let is_look = matches!(command, Command::Hello | Command::ShowField { .. });
+        if !is_look && self.rejected.take().is_some() {
+            self.scene_is_new = self.work.is_some();
+        }
         let result = match command {
             Command::Hello => {
                 events.push(self.samples());
@@ -112,8 +120,6 @@ impl Session {
             Command::Undo => self.travel(true, &mut events),
             Command::Redo => self.travel(false, &mut events),
             Command::DismissError => {
-                self.rejected = None;
-                self.scene_is_new = self.work.is_some();
                 events.push(self.status());
                 events.push(Event::Scene);
                 Ok(())
@@ -211,7 +217,7 @@ impl Session {
     }
 
     /// The report of `cutflow cut`. **Takes** the time that the driver measured.
-    pub fn cut_report(&mut self, seconds: f64) -> Result<CutReport, Problem> {
+    pub fn cut_report(&mut self, seconds: Option<f64>) -> Result<CutReport, Problem> {
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         if !work.is_settled {
             work.settle()?;
@@ -253,53 +259,65 @@ impl Session {
         }
     }
 
-    /// Takes a new document in, if it could be made.
+    /// Opens a document with parameters of the driver's choice.
+    pub fn open_with(
+        &mut self,
+        document: Result<Document, Refusal>,
+        settings: Settings,
+    ) -> Vec<Event> {
+        let mut events = std::mem::take(&mut self.late);
+        match document {
+            Ok(document) => self.adopt_with(document, settings, &mut events),
+            Err(refusal) => self.refuse(refusal, &mut events),
+        }
+        events
+    }
+
+    /// Takes a new document in, if it could be made, with the parameters that suit it.
     fn adopt(
         &mut self,
         document: Result<Document, Refusal>,
         events: &mut Vec<Event>,
     ) -> Result<(), Refusal> {
-        let document = Rc::new(document?);
+        let document = document?;
         let settings = Settings::for_sample(document.sample.as_deref());
+        self.adopt_with(document, settings, events);
+        Ok(())
+    }
+
+    /// A mesh that the initial cut does not suit is opened all the same, and says so.
+    fn adopt_with(&mut self, mut document: Document, settings: Settings, events: &mut Vec<Event>) {
+        let flow = match start_flow(&document, &settings, None) {
+            Ok(flow) => Some(flow),
+            Err(problem) => {
+                document.summary.notices.push(NoticeText {
+                    kind: "no_initial_cut".into(),
+                    count: 1,
+                    text: format!("{} {}", problem.what, problem.what_to_do),
+                });
+                None
+            }
+        };
         let label = format!("open {}", document.name);
         self.remember(&label, &label);
-        self.install(document, settings, None, Vec::new(), events)
+        self.install(Work::new(Rc::new(document), settings, flow), events);
     }
 
     /// Makes a document, its parameters and a place in its run the current ones.
-    fn install(
-        &mut self,
-        document: Rc<Document>,
-        settings: Settings,
-        checkpoint: Option<&Checkpoint>,
-        history: Vec<HistoryRow>,
-        events: &mut Vec<Event>,
-    ) -> Result<(), Refusal> {
+    fn install(&mut self, mut work: Work, events: &mut Vec<Event>) {
         self.is_running = false;
         self.rejected = None;
-        let is_other = self.work.as_ref().is_none_or(|old| !Rc::ptr_eq(&old.document, &document));
-        let mut work = Work {
-            document,
-            settings,
-            flow: None,
-            history,
-            residual: 0.0,
-            layout: None,
-            is_settled: false,
-            start: None,
-            revision: 0,
-        };
-        if !is_other && let Some(old) = &mut self.work {
+        let old = self.work.take().filter(|old| Rc::ptr_eq(&old.document, &work.document));
+        let is_other = old.is_none();
+        if let Some(old) = old {
             work.revision = old.revision.max(1);
-            work.layout = old.layout.take();
-            work.start = old.start.take();
+            work.layout = old.layout;
         }
-        let restarted = work.restart(checkpoint);
+        if is_other {
+            events.push(Event::Mesh(work.document.summary.clone()));
+        }
         self.work = Some(work);
         if is_other {
-            if let Some(work) = &self.work {
-                events.push(Event::Mesh(work.document.summary.clone()));
-            }
             events.push(self.samples());
             events.push(self.fields());
         }
@@ -309,38 +327,58 @@ impl Session {
         events.push(self.history_event());
         events.push(self.status());
         events.push(Event::Scene);
-        restarted.map_err(Refusal::from)
     }
 
     /// Keeps what is there now under the name of the change that comes.
     fn remember(&mut self, label: &str, kind: &str) {
         let Some(work) = &self.work else { return };
         self.redo.clear();
-        // Moving one slider is one change.
-        if self.undo.last().is_some_and(|last| last.kind == kind && kind.starts_with("set ")) {
+        // Moving one slider is one change, unless steps were made meanwhile.
+        let is_same = |last: &Snapshot| {
+            last.kind == kind
+                && kind.starts_with("set ")
+                && last.history.len() == work.history.len()
+        };
+        if self.undo.last().is_some_and(is_same) {
             return;
         }
         self.undo.push(work.snapshot(label, kind));
         if self.undo.len() > UNDO_DEPTH {
             self.undo.remove(0);
         }
+        // Documents are what takes memory.
+        let mut documents: Vec<*const Document> = vec![Rc::as_ptr(&work.document)];
+        let keeps = |snapshot: &Snapshot| {
+            let document = Rc::as_ptr(&snapshot.document);
+            if !documents.contains(&document) {
+                documents.push(document);
+            }
+            documents.len() <= UNDO_DOCUMENTS
+        };
+        let kept = self.undo.iter().rev().map(keeps).take_while(|&keep| keep).count();
+        self.undo.drain(..self.undo.len() - kept);
     }
 
     /// Undo or redo.
     fn travel(&mut self, back: bool, events: &mut Vec<Event>) -> Result<(), Refusal> {
         let (from, to) =
             if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
+        let Some(target) = from.last() else { return Ok(()) };
+        let flow = match &target.checkpoint {
+            Some(checkpoint) => {
+                Some(start_flow(&target.document, &target.settings, Some(checkpoint))?)
+            }
+            None => None,
+        };
         let Some(target) = from.pop() else { return Ok(()) };
         if let Some(work) = &self.work {
             to.push(work.snapshot(&target.label, &target.kind));
         }
-        self.install(
-            target.document,
-            target.settings,
-            target.checkpoint.as_ref(),
-            target.history,
-            events,
-        )
+        let mut work = Work::new(target.document, target.settings, flow);
+        work.history = target.history;
+        work.start = target.start;
+        self.install(work, events);
+        Ok(())
     }
 
     fn set_parameter(
@@ -356,13 +394,12 @@ impl Session {
             return Ok(());
         };
         // Try before anything changes.
-        if effect == Effect::NextStep {
-            let trial = settings.flow_params();
-            trial.validate().map_err(|e| Problem::solve(&work.document.name, &e))?;
-        }
-        if effect == Effect::Restart {
-            check_start(&work.document, &settings)?;
-        }
+        let params = settings.flow_params();
+        params.validate().map_err(|error| Problem::solve(&work.document.name, &error))?;
+        let restarted = match effect {
+            Effect::Restart => Some(start_flow(&work.document, &settings, None)?),
+            Effect::NextStep | Effect::Export => None,
+        };
         let label = specs().into_iter().find(|s| s.id == id).map_or_else(
             || format!("change {id}"),
             |spec| format!("change {}", spec.label.to_lowercase()),
@@ -370,30 +407,25 @@ impl Session {
         self.remember(&label, &format!("set {id}"));
         let Some(work) = &mut self.work else { return Ok(()) };
         work.settings = settings;
-        match effect {
-            Effect::Restart => {
-                let was_running = self.is_running;
-                work.restart(None)?;
+        match (effect, restarted) {
+            (_, Some(flow)) => {
+                work.begin(flow);
                 self.push_energy(events);
                 self.settle(events);
-                self.is_running = was_running;
                 events.push(Event::Scene);
             }
-            Effect::NextStep => {
-                let params = work.settings.flow_params();
-                let name = work.document.name.clone();
+            (Effect::NextStep, None) => {
+                let name = &work.document.name;
                 if let Some(flow) = &mut work.flow {
-                    flow.set_params(params).map_err(|e| Problem::solve(&name, &e))?;
+                    flow.set_params(params).map_err(|e| Problem::solve(name, &e))?;
                     if flow.steps() == 0 {
-                        let energy = flow.state().energy();
-                        work.history = vec![HistoryRow::new(0, &energy, params.weights.length)];
-                        let work = &*work;
-                        events.extend(work.energy_curve());
+                        work.history = vec![first_row(flow)];
+                        self.push_energy(events);
                     }
                 }
-                events.push(work.measures());
+                events.extend(self.work.as_ref().map(Work::measures));
             }
-            Effect::Export => events.push(work.measures()),
+            (_, None) => events.push(work.measures()),
         }
         events.push(self.parameters());
         events.push(self.history_event());
@@ -403,6 +435,10 @@ impl Session {
 
     fn run(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
         self.need_flow()?;
+        if self.is_at_end() {
+            events.push(self.status());
+            return Ok(());
+        }
         if !self.is_running {
             let step = self.work.as_ref().map_or(0, Work::step);
             self.remember(&format!("run from step {step}"), "run");
@@ -426,6 +462,12 @@ impl Session {
     fn step(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
         self.need_flow()?;
         self.is_running = false;
+        let has_ended =
+            |work: &Work| work.flow.as_ref().is_some_and(|f| f.status() != Status::Running);
+        if self.work.as_ref().is_some_and(has_ended) {
+            events.push(self.status());
+            return Ok(());
+        }
         let step = self.work.as_ref().map_or(0, Work::step);
         self.remember(&format!("step {}", step + 1), "step");
         self.one_step(events)?;
@@ -439,12 +481,12 @@ impl Session {
 
     fn reset(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
         self.is_running = false;
-        if self.work.is_none() {
-            return Err(nothing_open().into());
-        }
+        let Some(work) = &self.work else { return Err(nothing_open().into()) };
+        let flow = start_flow(&work.document, &work.settings, None)?;
         self.remember("reset", "reset");
-        let Some(work) = &mut self.work else { return Ok(()) };
-        work.restart(None)?;
+        if let Some(work) = &mut self.work {
+            work.begin(flow);
+        }
         self.push_energy(events);
         self.settle(events);
         events.push(self.history_event());
@@ -453,13 +495,22 @@ impl Session {
         Ok(())
     }
 
+    /// Whether Run has nothing left to do.
+    fn is_at_end(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| {
+            let flow = work.flow.as_ref();
+            work.step() as f64 >= work.settings.number("steps")
+                || flow.is_some_and(|flow| flow.status() != Status::Running)
+        })
+    }
+
     /// Explains why there is nothing to run.
     fn need_flow(&self) -> Result<(), Problem> {
         let Some(work) = &self.work else { return Err(nothing_open()) };
         if work.flow.is_some() {
             return Ok(());
         }
-        check_start(&work.document, &work.settings)?;
+        start_flow(&work.document, &work.settings, None)?;
         Err(Problem::new(
             "There is no cut to improve.",
             format!("{}, initial cut.", work.document.name),
@@ -476,14 +527,13 @@ impl Session {
         };
         let before = flow.steps();
         let report = flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
-        work.residual = report.residual;
         if report.step > before {
             let energy = flow.state().energy();
             let weights = flow.params().weights;
             let row = HistoryRow::new(report.step, &energy, weights.length);
             work.history.push(row);
             work.is_settled = false;
-            self.scene_is_new = true;
+            self.scene_is_new |= self.rejected.is_none();
             events.push(energy_event(&row, &weights));
         }
         if report.status != Status::Running || report.step as f64 >= limit {
@@ -513,7 +563,14 @@ impl Session {
 
     fn samples(&self) -> Event {
         Event::Samples {
-            options: samples::SAMPLES.iter().map(|s| Choice::new(s.name, s.label)).collect(),
+            options: samples::SAMPLES
+                .iter()
+                .map(|s| SampleChoice {
+                    name: s.name.into(),
+                    label: s.label.into(),
+                    description: s.description.into(),
+                })
+                .collect(),
             current: self.document().and_then(|d| d.sample.clone()),
         }
     }
@@ -593,44 +650,37 @@ impl Work {
             settings: self.settings.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
             history: self.history.clone(),
+            start: self.start.clone(),
         }
     }
 
-    /// A new flow from the initial cut, or from a checkpoint. Without a usable initial cut there is no flow, and the
-    /// surface is shown whole.
-    fn restart(&mut self, checkpoint: Option<&Checkpoint>) -> Result<(), Problem> {
-        let document = self.document.clone();
-        let name = &document.name;
-        self.is_settled = false;
-        self.flow = None;
-        if checkpoint.is_none() {
-            self.start = None;
-            self.history.clear();
+    /// A document at the start of a flow; without one the surface is shown whole.
+    fn new(document: Rc<Document>, settings: Settings, flow: Option<CutFlow>) -> Self {
+        let history = flow.iter().map(first_row).collect();
+        Self {
+            document,
+            settings,
+            flow,
+            history,
+            layout: None,
+            is_settled: false,
+            start: None,
+            revision: 0,
         }
-        let initial = self.settings.initial(&document)?;
-        let mut flow = CutFlow::new(
-            document.mesh.clone(),
-            document.geometry.clone(),
-            &initial,
-            self.settings.flow_params(),
-        )
-        .map_err(|error| Problem::solve(name, &error))?;
-        let weight = flow.params().weights.length;
-        match checkpoint {
-            Some(checkpoint) => {
-                flow.restore(checkpoint).map_err(|error| Problem::solve(name, &error))?;
-            }
-            None => self.history.push(HistoryRow::new(0, &flow.state().energy(), weight)),
-        }
+    }
+
+    /// Goes on with another flow from its start.
+    fn begin(&mut self, flow: CutFlow) {
+        self.history = vec![first_row(&flow)];
         self.flow = Some(flow);
-        Ok(())
+        self.start = None;
+        self.is_settled = false;
     }
 
     /// The layout of a running flow: with the flow's own factor where all patches are disks, whole otherwise.
     fn preview(&mut self) -> Result<(), Problem> {
         let Some(flow) = &mut self.flow else { return self.settle() };
-        let last = self.layout.take();
-        let packing = last.as_ref().map(|l| &l.packing);
+        let packing = self.layout.as_ref().map(|l| &l.packing);
         let layout = Layout::preview(&self.document, flow.cut_mesh(), flow.factor(), packing)
             .map_err(|error| Problem::solve(&self.document.name, &error))?;
         if layout.is_complete() {
@@ -648,8 +698,8 @@ impl Work {
             Some(flow) => flow.cut_mesh(),
             None => crate::mesh::CutMesh::uncut(&self.document.mesh),
         };
-        let last = self.layout.take();
-        let layout = Layout::full(&self.document, cut, last.as_ref().map(|l| &l.packing))
+        let packing = self.layout.as_ref().map(|l| &l.packing);
+        let layout = Layout::full(&self.document, cut, packing)
             .map_err(|error| Problem::solve(&self.document.name, &error))?;
         self.layout = Some(layout);
         self.is_settled = true;
@@ -712,12 +762,7 @@ impl Work {
                 let measures = layout.measures.charts[patch].as_ref();
                 let flipped = measures.map_or(0, |m| m.flipped);
                 let overlaps = measures.map_or(0, |m| m.overlaps);
-                let note = match (&layout.flattening.charts[patch], flipped, overlaps) {
-                    (Err(reason), ..) => format!("Not flattened: {reason}."),
-                    (Ok(_), 0, 0) => String::new(),
-                    (Ok(_), 0, n) => format!("The outline crosses itself {n} times."),
-                    (Ok(_), n, _) => format!("{n} of its triangles are turned over."),
-                };
+                let note = layout.note(patch).unwrap_or_default();
                 PieceRow {
                     patch,
                     color: colours[patch],
@@ -744,7 +789,7 @@ impl Work {
         Event::Measures { rows, pieces, pattern }
     }
 
-    fn cut_report(&self, seconds: f64) -> Result<CutReport, Problem> {
+    fn cut_report(&self, seconds: Option<f64>) -> Result<CutReport, Problem> {
         let (Some(layout), Some(flow)) = (&self.layout, &self.flow) else {
             return Err(Problem::new(
                 "There is no cut to report on.",
@@ -775,11 +820,11 @@ impl Work {
             disk_cut_length: layout.disk_cut_length,
             hencky: energy.hencky,
             dirichlet: energy.dirichlet,
-            residual: self.residual,
+            residual: flow.state().residual(),
             patches: report::patch_reports(layout),
-            flattening: FlattenReport::new(layout, 0.0),
+            flattening: FlattenReport::new(layout, None),
             seconds,
-            seconds_per_step: (steps > 0).then(|| seconds / steps as f64),
+            seconds_per_step: seconds.filter(|_| steps > 0).map(|s| s / steps as f64),
         })
     }
 
@@ -823,7 +868,7 @@ impl Work {
                     info: InfoReport,
                     cut: CutReport,
                 }
-                let whole = Whole { info: InfoReport::new(document), cut: self.cut_report(0.0)? };
+                let whole = Whole { info: InfoReport::new(document), cut: self.cut_report(None)? };
                 let bytes = serde_json::to_vec_pretty(&whole).map_err(|error| {
                     Problem::new(
                         format!("The report could not be written: {error}."),
@@ -842,21 +887,25 @@ impl Work {
     }
 }
 
-/// Whether the parameters give a usable initial cut.
-fn check_start(document: &Document, settings: &Settings) -> Result<(), Problem> {
+/// A flow from the initial cut that the parameters ask for, or from a checkpoint.
+fn start_flow(
+    document: &Document,
+    settings: &Settings,
+    checkpoint: Option<&Checkpoint>,
+) -> Result<CutFlow, Problem> {
+    let wrong = |error| Problem::solve(&document.name, &error);
     let initial = settings.initial(document)?;
-    let start = initial_labels(&document.mesh, &document.geometry, &initial)
-        .map_err(|error| Problem::solve(&document.name, &error))?;
-    let is_cut = document.mesh.edges().any(|e| {
-        let [a, b] = document.mesh.edge_vertices(e).map(|v| start.labels[v.index()]);
-        a != b
-    });
-    if is_cut || !document.mesh.boundary_loops().is_empty() {
-        return Ok(());
+    let (mesh, geometry) = (document.mesh.clone(), document.geometry.clone());
+    let mut flow = CutFlow::new(mesh, geometry, &initial, settings.flow_params()).map_err(wrong)?;
+    if let Some(checkpoint) = checkpoint {
+        flow.restore(checkpoint).map_err(wrong)?;
     }
-    let vertices = document.mesh.vertex_count();
-    let error = crate::methods::flow::SolveError::EmptyCut { vertices };
-    Err(Problem::solve(&document.name, &error))
+    Ok(flow)
+}
+
+/// The history's row of a flow that has just begun.
+fn first_row(flow: &CutFlow) -> HistoryRow {
+    HistoryRow::new(flow.steps(), &flow.state().energy(), flow.params().weights.length)
 }
 
 /// A point of the energy plot.

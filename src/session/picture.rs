@@ -139,21 +139,35 @@ fn normal_at(document: &Document, point: SurfacePoint) -> Vector3<f64> {
     sum.try_normalize(1e-300).unwrap_or_else(Vector3::z)
 }
 
-/// Where each chart's number is written: the centre of the face nearest to the middle of its rectangle.
+/// Where each chart's number is written: the centre of the face farthest from the rim, in faces. There is room, also in
+/// pieces that are bent.
 fn anchors(layout: &Layout) -> Vec<[f64; 2]> {
-    let mut best = vec![([f64::NAN; 2], f64::INFINITY); layout.opened.patch_count];
-    for f in layout.opened.mesh.faces() {
-        let patch = layout.opened.face_patches[f.index()] as usize;
-        let rectangle = &layout.packing.boxes[patch];
-        let middle = rectangle.low + rectangle.size / 2.0;
-        let corners = layout.opened.mesh.face_vertices(f).map(|v| layout.charts[v.index()]);
-        let centre = [0, 1].map(|i| corners.iter().map(|c| c[i]).sum::<f64>() / 3.0);
-        let distance = (centre[0] - middle.x).powi(2) + (centre[1] - middle.y).powi(2);
-        if distance < best[patch].1 {
-            best[patch] = (centre, distance);
+    let mesh = &layout.opened.mesh;
+    let mut queue: Vec<FaceId> = mesh
+        .faces()
+        .filter(|&f| mesh.face_halfedges(f).iter().any(|h| mesh.is_boundary_edge(h.edge())))
+        .collect();
+    let mut seen = vec![false; mesh.face_count()];
+    for f in &queue {
+        seen[f.index()] = true;
+    }
+    let mut anchors = vec![[f64::NAN; 2]; layout.opened.patch_count];
+    let mut next = 0;
+    // Breadth first: the last face reached in each patch is the deepest.
+    while let Some(&f) = queue.get(next) {
+        next += 1;
+        let corners = mesh.face_vertices(f).map(|v| layout.charts[v.index()]);
+        anchors[layout.opened.face_patches[f.index()] as usize] =
+            [0, 1].map(|i| corners.iter().map(|c| c[i]).sum::<f64>() / 3.0);
+        for h in mesh.face_halfedges(f) {
+            if let Some(g) = mesh.face(h.twin())
+                && !std::mem::replace(&mut seen[g.index()], true)
+            {
+                queue.push(g);
+            }
         }
     }
-    best.into_iter().map(|(place, _)| place).collect()
+    anchors
 }
 
 /// Identifier, label, one value for each opened vertex, whether the field is signed.

@@ -58,8 +58,8 @@ pub struct CutReport {
     pub patches: Vec<PatchReport>,
     /// The charts.
     pub flattening: FlattenReport,
-    /// Solving time.
-    pub seconds: f64,
+    /// Solving time, where the driver measured it.
+    pub seconds: Option<f64>,
     /// Solving time over steps; `null` without steps.
     pub seconds_per_step: Option<f64>,
 }
@@ -99,8 +99,8 @@ pub struct FlattenReport {
     pub totals: ChartReport,
     /// Whether both sides of every seam are equally long in the charts.
     pub seams_equal: bool,
-    /// Solving time.
-    pub seconds: f64,
+    /// Solving time, where the driver measured it.
+    pub seconds: Option<f64>,
 }
 
 /// Distortion of one chart.
@@ -173,7 +173,7 @@ impl ChartReport {
 
 impl FlattenReport {
     /// Of a layout.
-    pub fn new(layout: &Layout, seconds: f64) -> Self {
+    pub fn new(layout: &Layout, seconds: Option<f64>) -> Self {
         let charts = &layout.measures.charts;
         let mut totals = ChartReport::new(&layout.measures.totals);
         totals.overlaps = layout.overlaps();

@@ -59,30 +59,30 @@ impl Problem {
                 "Reduce it in a modelling program first.",
             ),
             MeshError::RepeatedVertices { faces } => Self::new(
-                format!("{} faces use a vertex twice.", faces.len()),
+                format!("{} a vertex twice.", subject(faces.len(), "face", "use")),
                 format!("{name}, first face {} (counted from 0).", faces[0].0),
                 "Remove degenerate faces in a modelling program.",
             ),
             MeshError::NonManifoldEdges { edges: list, .. } => Self::new(
                 format!(
-                    "{} belong to three or more faces, so that the mesh is not a surface there.",
-                    plural(list.len(), "edge")
+                    "{} to three or more faces, so that the mesh is not a surface there.",
+                    subject(list.len(), "edge", "belong")
                 ),
                 edges(list),
                 "Remove inner walls and fins in a modelling program (Blender: Select › All by Trait › Non Manifold); the edges are marked in red.",
             ),
             MeshError::InconsistentOrientation { edges: list } => Self::new(
                 format!(
-                    "{} join faces that look in opposite directions.",
-                    plural(list.len(), "edge")
+                    "{} faces that look in opposite directions.",
+                    subject(list.len(), "edge", "join")
                 ),
                 edges(list),
                 "Let a modelling program make the normals consistent (Blender: Mesh › Normals › Recalculate Outside). If that cannot be done, the surface is one-sided.",
             ),
             MeshError::NonManifoldVertices { vertices } => Self::new(
                 format!(
-                    "{} join parts that touch in that point only.",
-                    plural(vertices.len(), "vertex")
+                    "{} parts that touch in that point only.",
+                    subject(vertices.len(), "vertex", "join")
                 ),
                 format!(
                     "{name}, vertex {} (counted from 0){}.",
@@ -101,10 +101,7 @@ impl Problem {
     pub fn geometry(name: &str, error: &GeometryError, vertex: impl Fn(usize) -> usize) -> Self {
         match error {
             GeometryError::NotFinite { vertices } => Self::new(
-                format!(
-                    "{} have coordinates that are not finite.",
-                    plural(vertices.len(), "vertex")
-                ),
+                format!("Coordinates of {} are not finite.", plural(vertices.len(), "vertex")),
                 format!("{name}, first vertex {} (counted from 0).", vertex(vertices[0].index())),
                 "Remove the broken vertices and export the file again.",
             ),
@@ -114,7 +111,7 @@ impl Problem {
                 "Check the export; the scale may have been lost.",
             ),
             GeometryError::DegenerateFaces { faces } => Self::new(
-                format!("{} have no area.", plural(faces.len(), "face")),
+                format!("{} without area.", plural(faces.len(), "face")),
                 format!("{name}, first triangle {} (counted from 0).", faces[0].0),
                 "Dissolve degenerate faces in a modelling program (Blender: Mesh › Clean Up › Degenerate Dissolve); they are marked in red.",
             ),
@@ -143,9 +140,9 @@ impl Problem {
                 "Weights.",
                 "Give the Hencky or the Dirichlet distortion a weight.",
             ),
-            SolveError::Linalg(LinalgError::NotPositiveDefinite { row }) => Self::new(
+            SolveError::Linalg(LinalgError::NotPositiveDefinite { .. }) => Self::new(
                 "The distortion cannot be computed: the surface is too degenerate.",
-                format!("{name}, near vertex {row}."),
+                format!("{name}, along the cut."),
                 "Remesh the surface with evener triangles and open it again.",
             ),
             SolveError::Linalg(LinalgError::OutOfMemory { size }) => Self::new(
@@ -153,8 +150,11 @@ impl Problem {
                 format!("{name}."),
                 "Reduce the mesh and open it again.",
             ),
-            SolveError::Mesh(error) => Self::mesh(name, error, |v| v),
-            SolveError::Geometry(error) => Self::geometry(name, error, |v| v),
+            SolveError::Mesh(error) => Self::new(
+                format!("The cut surface is no surface any more: {error}."),
+                format!("{name}, along the cut."),
+                "Undo the last step and choose another initial cut.",
+            ),
             SolveError::NotFinite => Self::new(
                 "The energy of the cut is not a finite number.",
                 format!("{name}."),
@@ -171,6 +171,12 @@ pub fn plural(count: usize, noun: &str) -> String {
         (_, "vertex") => format!("{count} vertices"),
         _ => format!("{count} {noun}s"),
     }
+}
+
+/// Count, noun and verb.
+fn subject(count: usize, noun: &str, verb: &str) -> String {
+    let ending = if count == 1 { "s" } else { "" };
+    format!("{} {verb}{ending}", plural(count, noun))
 }
 
 /// With a capital at its beginning.

@@ -7,6 +7,7 @@ mod runs;
 fn runs_give_their_stored_energies() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/runs.txt");
     let rows = runs::runs();
+    assert!(rows.windows(2).all(|w| w[0].0 != w[1].0 || w[1].2 <= w[0].2), "a run rises: {rows:?}");
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         let text: String =
             rows.iter().map(|(name, step, total)| format!("{name} {step} {total:?}\n")).collect();

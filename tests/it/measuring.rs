@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use cutflow::geometry::{
     Geometry, GeometryError, Laplacian, angle_defects, face_curvatures, geodesic_distances,
 };
-use cutflow::mesh::{Mesh, VertexId};
+use cutflow::mesh::{FaceId, Mesh, VertexId};
 use nalgebra::Point3;
 
 use crate::surfaces::{Surface, cube, tetrahedron};
@@ -118,6 +118,14 @@ fn defects_of_the_metric_are_named() {
     assert_eq!(bad, GeometryError::NotFinite { vertices: vec![VertexId(1)] });
     let bad = with(1, point(0.5, 0.5)).unwrap_err();
     assert!(matches!(bad, GeometryError::DegenerateFaces { faces } if faces.len() == 1));
+    // Corners on a slanted line: only rounding keeps them from having no height.
+    let single = Mesh::new(3, &[[0, 1, 2]]).unwrap();
+    for i in 1..200 {
+        let t = f64::from(i) / 200.0;
+        let (a, b) = (Point3::new(0.1, -0.37, 0.73), Point3::new(0.9, 0.11 * t, -0.3));
+        let error = Geometry::new(&single, vec![a, b, a + (b - a) * t]).unwrap_err();
+        assert_eq!(error, GeometryError::DegenerateFaces { faces: vec![FaceId(0)] });
+    }
     let all = vec![point(2.0, 3.0); 4];
     assert_eq!(Geometry::new(&mesh, all).unwrap_err(), GeometryError::NoExtent);
 }

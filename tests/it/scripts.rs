@@ -191,19 +191,64 @@ fn commands_without_a_document_say_so() {
 }
 
 #[test]
-fn an_initial_cut_that_misses_is_refused_and_the_cut_stays() {
+fn an_initial_cut_that_misses_is_refused_and_everything_stays() {
     let mut session = Session::new();
     session.open("ball.obj", ball(8).as_bytes());
     set(&mut session, "init", Value::Text("circle".into()));
     session.handle(Command::Step);
-    let labels = session.labels();
-    let events = set(&mut session, "vertex", Value::Number(0.0));
-    assert!(errors(&events).is_empty(), "0 is the default: nothing changes");
-    let events = set(&mut session, "vertex", Value::Number(5e6));
-    assert_eq!(errors(&events).len(), 1);
-    let events = set(&mut session, "length", Value::Number(f64::NAN));
-    assert_eq!(errors(&events).len(), 1);
-    assert_eq!(session.labels(), labels);
+    let before = session.export("UV mesh (OBJ)").unwrap().bytes;
+    let (labels, rows) = (session.labels(), session.history().to_vec());
+    for (id, value) in [
+        // Half a great circle of a ball of unit area is .886: this circle is larger than the ball.
+        ("radius", 1.0),
+        ("vertex", 5e6),
+        ("length", f64::NAN),
+    ] {
+        let events = set(&mut session, id, Value::Number(value));
+        assert_eq!(errors(&events).len(), 1, "{id}");
+        assert_eq!((session.labels(), session.history().to_vec()), (labels.clone(), rows.clone()));
+        assert_eq!(session.export("UV mesh (OBJ)").unwrap().bytes, before, "{id}");
+    }
+}
+
+#[test]
+fn a_mesh_that_the_initial_cut_does_not_suit_is_opened_all_the_same() {
+    // A closed surface whose normals all belong to one cluster does not exist; a mesh of many loose triangles has as
+    // many clusters as triangles, and must open at once.
+    let mut text = String::new();
+    for i in 0..20_000 {
+        let (x, y) = (2 * (i % 200), 2 * (i / 200));
+        text += &format!("v {x} {y} 0\nv {} {y} 0\nv {x} {} 0\nf -3 -2 -1\n", x + 1, y + 1);
+    }
+    let mut session = Session::new();
+    let events = session.open("dust.obj", text.as_bytes());
+    assert!(errors(&events).is_empty());
+    assert_eq!(session.info_report().unwrap().components, 20_000);
+}
+
+#[test]
+fn working_on_dismisses_a_refused_mesh_and_undo_keeps_the_start() {
+    let mut session = Session::new();
+    session.open("ball.obj", ball(8).as_bytes());
+    let start = |events: &[Event]| {
+        let mut tables = events.iter().rev().filter_map(|event| match event {
+            Event::Measures { rows, .. } => Some(rows),
+            _ => None,
+        });
+        let row = tables.next().unwrap().iter().find(|row| row.id == "cut_length").cloned();
+        row.unwrap().start.unwrap()
+    };
+    let events = session.handle(Command::Step);
+    let clusters = start(&events);
+    let flat = "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
+    session.open("flat.obj", flat.as_bytes());
+    assert!(!session.scene().unwrap().mark_segments.is_empty());
+    session.handle(Command::Step);
+    assert!(session.scene().unwrap().mark_segments.is_empty());
+    let events = set(&mut session, "init", Value::Text("plane".into()));
+    assert!((start(&events) - clusters).abs() > 0.1);
+    let events = session.handle(Command::Undo);
+    assert!((start(&events) - clusters).abs() < 1e-12, "the start belongs to the run");
 }
 
 #[test]

@@ -50,13 +50,17 @@ pub(super) struct Problem {
     base_rhs: Vec<f64>,
     is_boundary: Vec<bool>,
     /// Vertices of closed components that the initial cut leaves whole: they take no part.
-    pub inert: Vec<bool>,
+    inert: Vec<bool>,
+    face_components: Vec<u32>,
+    /// Components that a cut must not leave whole: closed, and not inert.
+    needs_cut: Vec<bool>,
 }
 
 /// The Yamabe solution on one cut: u, its energy, and the factor that gave it.
 pub(super) struct Solution {
     pub u: Vec<f64>,
     pub energy: Energy,
+    /// Largest residual of A u = f over the largest entry of f.
     pub residual: f64,
     factor: Factor,
     values: Vec<f64>,
@@ -84,6 +88,13 @@ impl Problem {
         }
         let frames = Frames::new(&mesh, &geometry);
         let inert = vec![false; mesh.vertex_count()];
+        let topology = mesh.topology();
+        let mut needs_cut = vec![true; topology.components];
+        for &h in mesh.boundary_loops() {
+            if let Some(f) = mesh.face(h.twin()) {
+                needs_cut[topology.face_components[f.index()] as usize] = false;
+            }
+        }
         let analysis = Arc::new(Analysis::new(pattern)?);
         let mut problem = Self {
             mesh,
@@ -96,6 +107,8 @@ impl Problem {
             base_rhs,
             is_boundary,
             inert,
+            face_components: topology.face_components,
+            needs_cut,
         };
         for v in problem.mesh.vertices() {
             if problem.is_boundary[v.index()] || problem.mesh.halfedge(v).is_none() {
@@ -112,17 +125,39 @@ impl Problem {
         self.base_rhs[v.index()] = 0.0;
     }
 
-    /// Takes closed components without any cut out of the problem: on them Δu = −K has no solution with u = 0 anywhere.
-    pub fn set_inert(&mut self, component_is_inert: impl Fn(VertexId) -> bool) {
-        for e in self.mesh.edges() {
-            if component_is_inert(self.mesh.tail(e.halfedge())) {
-                self.base_values[self.edge_slots[e.index()] as usize] = 0.0;
+    /// Takes the closed components that a cut leaves whole out of the problem: on them Δu = −K has no solution with u = 0
+    /// anywhere.
+    pub fn rest_uncut_components(&mut self, cut: &Cut) {
+        let uncut = self.uncut_components(cut);
+        for f in self.mesh.faces().filter(|f| uncut[self.face_components[f.index()] as usize]) {
+            for h in self.mesh.face_halfedges(f) {
+                self.base_values[self.edge_slots[h.edge().index()] as usize] = 0.0;
+            }
+            for v in self.mesh.face_vertices(f) {
+                self.inert[v.index()] = true;
             }
         }
-        for v in self.mesh.vertices().filter(|&v| component_is_inert(v)) {
-            self.inert[v.index()] = true;
-            self.pin(v);
+        for v in self.mesh.vertices() {
+            if self.inert[v.index()] {
+                self.pin(v);
+            }
         }
+        for (needs, uncut) in self.needs_cut.iter_mut().zip(uncut) {
+            *needs &= !uncut;
+        }
+    }
+
+    /// Whether a cut leaves a component whole that it must not.
+    pub fn misses_a_component(&self, cut: &Cut) -> bool {
+        self.uncut_components(cut).contains(&true)
+    }
+
+    fn uncut_components(&self, cut: &Cut) -> Vec<bool> {
+        let mut uncut = self.needs_cut.clone();
+        for crossed in &cut.faces {
+            uncut[self.face_components[crossed.face.index()] as usize] = false;
+        }
+        uncut
     }
 
     fn is_pinned(&self, v: VertexId) -> bool {
@@ -293,7 +328,6 @@ impl Problem {
         let u = &solution.u;
         for crossed in &cut.faces {
             let vertices = self.mesh.face_vertices(crossed.face);
-            let inert = self.inert[vertices[0].index()];
             let points = cut.face_points(&self.mesh, &self.frames, crossed);
             let mut side_forces = [Vector2::zeros(); 3];
             let mut centre_force = Vector2::zeros();
@@ -312,18 +346,16 @@ impl Problem {
                     _ => 0.0,
                 })
             };
-            if !inert {
-                for (triangle, _) in points.triangles(crossed.lone) {
-                    let element = Element::new(&points, triangle);
-                    let (u, q) = (value(u, triangle), value(&adjoint, triangle));
-                    pull(triangle, element.stiffness_forces(u, q, weights.dirichlet));
-                }
-                let curvature = self.face_curvatures[crossed.face.index()];
-                for (triangle, weight) in points.weighted_triangles(crossed.lone) {
-                    let element = Element::new(&points, triangle);
-                    let (u, q) = (value(u, triangle), value(&adjoint, triangle));
-                    pull(triangle, element.mass_forces(u, q, weights.hencky, curvature, weight));
-                }
+            for (triangle, _) in points.triangles(crossed.lone) {
+                let element = Element::new(&points, triangle);
+                let (u, q) = (value(u, triangle), value(&adjoint, triangle));
+                pull(triangle, element.stiffness_forces(u, q, weights.dirichlet));
+            }
+            let curvature = self.face_curvatures[crossed.face.index()];
+            for (triangle, weight) in points.weighted_triangles(crossed.lone) {
+                let element = Element::new(&points, triangle);
+                let (u, q) = (value(u, triangle), value(&adjoint, triangle));
+                pull(triangle, element.mass_forces(u, q, weights.hencky, curvature, weight));
             }
             self.add_length_forces(
                 crossed,

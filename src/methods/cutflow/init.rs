@@ -5,7 +5,7 @@
     reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
 )]
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
@@ -151,40 +151,49 @@ fn normal_clusters(mesh: &Mesh, geometry: &Geometry, angle: f64) -> Vec<u32> {
         }
         count += 1;
     }
-    // Merge the small ones, smallest first, into the neighbour with the longest common border.
-    let mut cluster_areas = vec![0.0; count as usize];
+    let count = count as usize;
+    let mut cluster_areas = vec![0.0; count];
     for v in mesh.vertices().filter(|&v| clusters[v.index()] != NONE) {
         cluster_areas[clusters[v.index()] as usize] += areas[v.index()];
     }
+    let mut borders: Vec<BTreeMap<u32, f64>> = vec![BTreeMap::new(); count];
+    for e in mesh.edges() {
+        let [a, b] = mesh.edge_vertices(e).map(|v| clusters[v.index()]);
+        if a != b {
+            *borders[a as usize].entry(b).or_default() += geometry.edge_length(e);
+            *borders[b as usize].entry(a).or_default() += geometry.edge_length(e);
+        }
+    }
+    // Merge the small ones, smallest first, into the neighbour with the longest common border.
     let total: f64 = areas.iter().sum();
-    let mut order: Vec<u32> = (0..count).collect();
+    let mut order: Vec<u32> = (0..count as u32).collect();
     order.sort_by(|&a, &b| cluster_areas[a as usize].total_cmp(&cluster_areas[b as usize]));
+    let mut targets: Vec<u32> = (0..count as u32).collect();
     for small in order {
         if cluster_areas[small as usize] >= SMALLEST_CLUSTER * total {
             continue;
         }
-        let mut borders: Vec<(u32, f64)> = Vec::new();
-        for e in mesh.edges() {
-            let [a, b] = mesh.edge_vertices(e).map(|v| clusters[v.index()]);
-            let other = if a == small { b } else { a };
-            if a != b && (a == small || b == small) {
-                match borders.iter_mut().find(|(c, _)| *c == other) {
-                    Some((_, length)) => *length += geometry.edge_length(e),
-                    None => borders.push((other, geometry.edge_length(e))),
-                }
+        let own = std::mem::take(&mut borders[small as usize]);
+        let longest = own.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));
+        let Some((&target, _)) = longest else { continue };
+        for (&neighbour, &length) in &own {
+            borders[neighbour as usize].remove(&small);
+            if neighbour != target {
+                *borders[neighbour as usize].entry(target).or_default() += length;
+                *borders[target as usize].entry(neighbour).or_default() += length;
             }
         }
-        let Some(&(target, _)) =
-            borders.iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
-        else {
-            continue;
-        };
         cluster_areas[target as usize] += std::mem::take(&mut cluster_areas[small as usize]);
-        for cluster in clusters.iter_mut().filter(|c| **c == small) {
-            *cluster = target;
-        }
+        targets[small as usize] = target;
     }
-    clusters.iter().map(|&c| if c == NONE { 0 } else { c }).collect()
+    let merged = |mut cluster: u32| {
+        while targets[cluster as usize] != cluster {
+            cluster = targets[cluster as usize];
+        }
+        cluster
+    };
+    let merged: Vec<u32> = (0..count as u32).map(merged).collect();
+    clusters.iter().map(|&c| if c == NONE { 0 } else { merged[c as usize] }).collect()
 }
 
 /// Gives clusters labels so that neighbours differ, and neighbours of neighbours too where `regions` labels suffice. Uses

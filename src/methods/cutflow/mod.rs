@@ -10,7 +10,7 @@
 //! one symbolic analysis per run.
 //!
 //! Guaranteed: J never rises; no vertex changes its label unless its neighbour across the cut had that label, so the cut
-//! never jumps more than one edge; patches are neither torn, joined nor pierced; with more than two regions a patch may
+//! never jumps more than one edge (the first step is a disturbance and up to three descents: up to four edges); patches are neither torn, joined nor pierced; with more than two regions a patch may
 //! shrink away. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
 
 mod band;
@@ -112,6 +112,11 @@ impl CutState {
         &self.solution.u
     }
 
+    /// Relative residual of the solve that gave u.
+    pub fn residual(&self) -> f64 {
+        self.solution.residual
+    }
+
     /// Number of points where the cut crosses an edge.
     pub fn crossing_count(&self) -> usize {
         self.cut.crossings.len()
@@ -123,7 +128,7 @@ impl CutState {
     }
 }
 
-/// How (ℓ, clip) change after a failed line search; five failures in a row end the run.
+/// How (ℓ, clip) change after each failed line search in a row; when all have failed the run ends.
 const RETRIES: [(Smoothing, f64); 5] = [
     (Smoothing::Edges(2.0), 3.0),
     (Smoothing::Edges(2.0), 1.0),
@@ -209,8 +214,7 @@ impl CutFlow {
         if cut.crossings.is_empty() && problem.mesh.boundary_loops().is_empty() {
             return Err(SolveError::EmptyCut { vertices: problem.mesh.vertex_count() });
         }
-        let whole = uncut_closed_components(&problem.mesh, &cut);
-        problem.set_inert(|v| whole[v.index()]);
+        problem.rest_uncut_components(&cut);
         let levels = LevelSets::around(
             &problem,
             &cut,
@@ -239,16 +243,6 @@ impl CutFlow {
     /// The mesh that is cut.
     pub fn mesh(&self) -> &Mesh {
         &self.problem.mesh
-    }
-
-    /// Its geometry, of unit area.
-    pub fn geometry(&self) -> &Geometry {
-        &self.problem.geometry
-    }
-
-    /// Gaussian curvature of every face.
-    pub fn face_curvatures(&self) -> &[f64] {
-        &self.problem.face_curvatures
     }
 
     /// Options in use.
@@ -380,16 +374,20 @@ impl CutFlow {
             &mut levels,
             vanish,
             self.mean_edge,
+            scale * direction.iter().fold(0.0f64, |m, d| m.max(d.abs())),
         );
         match self.evaluate(&levels) {
-            Ok((cut, solution)) if solution.energy.total.is_finite() => {
+            // A closed component that lost its cut would look like a bargain: nothing is left to pay for.
+            Ok((cut, solution))
+                if solution.energy.total.is_finite() && !self.problem.misses_a_component(&cut) =>
+            {
                 Ok(Some((levels, cut, solution)))
             }
             Ok((_, solution)) => {
                 self.spare = Some(solution);
                 Ok(None)
             }
-            // A closed component lost its cut, or a sliver its area: a trial to be refused like any other.
+            // As above, or a sliver lost its area: a trial to be refused like any other.
             Err(LinalgError::NotPositiveDefinite { .. }) => Ok(None),
             Err(error) => Err(error.into()),
         }
@@ -401,7 +399,7 @@ impl CutFlow {
         self.spare = Some(old.solution);
     }
 
-    /// The seeded smooth disturbance, part of the first step: kept only if the descent from there ends below the start.
+    /// The seeded smooth disturbance.
     fn kick(&mut self) -> Result<(), SolveError> {
         let field = init::smooth_noise(
             &self.problem.mesh,
@@ -432,6 +430,18 @@ impl CutFlow {
         Ok(())
     }
 
+    /// The first step: the disturbance, and descents until J is below `ceiling`, three at most. What it leaves is to be taken
+    /// back if J is not.
+    fn kick_and_descend(&mut self, ceiling: f64) -> Result<(), SolveError> {
+        self.kick()?;
+        for _ in 0..3 {
+            if !self.descend(f64::INFINITY)? || self.state.solution.energy.total < ceiling {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// One descent step from the current state to a J below `ceiling`.
     fn descend(&mut self, ceiling: f64) -> Result<bool, SolveError> {
         self.progress.promise = 0.0;
@@ -443,7 +453,7 @@ impl CutFlow {
         let (smoothing, clip) = if failures == 0 {
             (if many { Smoothing::Edges(2.0) } else { Smoothing::Absolute(0.085) }, 3.0)
         } else {
-            RETRIES[(failures - 1).min(RETRIES.len() - 1)]
+            RETRIES[failures - 1]
         };
         let smoothing = match smoothing {
             Smoothing::Absolute(length) => length,
@@ -455,6 +465,7 @@ impl CutFlow {
         let z = metric.raise(&gradient);
 
         let mut direction: Vec<f64> = z.iter().map(|z| -z).collect();
+        let mut is_quasi_newton = false;
         if many {
             self.progress.memory.transport(&self.problem, &self.state.cut, &metric, &z);
             if !self.progress.memory.is_empty() {
@@ -463,6 +474,7 @@ impl CutFlow {
                 let size = (dot(&metric.lower(&candidate), &candidate) * dot(&gradient, &z)).sqrt();
                 if slope < -1e-3 * size {
                     direction = candidate;
+                    is_quasi_newton = true;
                 }
             }
         }
@@ -472,8 +484,8 @@ impl CutFlow {
             return Ok(false);
         }
         let capped = self.params.cap * self.mean_edge / largest;
-        let quasi_newton = many && !self.progress.memory.is_empty();
-        let mut scale = if quasi_newton {
+        // Only a quasi-Newton direction has a length of its own.
+        let mut scale = if is_quasi_newton {
             capped.min(1.0)
         } else if self.progress.scale > 0.0 {
             capped.min(self.progress.scale)
@@ -535,20 +547,14 @@ impl Flow for CutFlow {
         let mut moved = false;
         if self.progress.step == 0 && self.params.kick > 0.0 {
             let start = self.checkpoint();
-            self.kick()?;
-            // A kick that the descent cannot make up for at once is taken back.
-            for _ in 0..3 {
-                moved = self.descend(f64::INFINITY)?;
-                if !moved || self.state.solution.energy.total < ceiling {
-                    break;
-                }
-            }
-            if self.state.solution.energy.total >= ceiling {
+            let result = self.kick_and_descend(ceiling);
+            moved = result.is_ok() && self.state.solution.energy.total < ceiling;
+            if !moved {
                 self.restore(&start)?;
-                moved = false;
             }
+            result?;
         }
-        while !moved && self.progress.failures < RETRIES.len() {
+        while !moved && self.progress.failures <= RETRIES.len() {
             moved = self.descend(ceiling)?;
             if !moved {
                 self.progress.memory.clear();
@@ -598,25 +604,4 @@ fn clear(edge_crossings: &mut [u32], cut: &Cut) {
     for crossing in &cut.crossings {
         edge_crossings[crossing.edge.index()] = NONE;
     }
-}
-
-/// For every vertex whether it lies on a closed component that the cut does not meet.
-fn uncut_closed_components(mesh: &Mesh, cut: &Cut) -> Vec<bool> {
-    let topology = mesh.topology();
-    let mut whole = vec![true; topology.components];
-    for crossed in &cut.faces {
-        whole[topology.face_components[crossed.face.index()] as usize] = false;
-    }
-    for &h in mesh.boundary_loops() {
-        if let Some(f) = mesh.face(h.twin()) {
-            whole[topology.face_components[f.index()] as usize] = false;
-        }
-    }
-    let mut result = vec![false; mesh.vertex_count()];
-    for f in mesh.faces() {
-        for v in mesh.face_vertices(f) {
-            result[v.index()] = whole[topology.face_components[f.index()] as usize];
-        }
-    }
-    result
 }

@@ -10,21 +10,22 @@ use crate::mesh::{Mesh, VertexId};
 /// Passes over the refused changes: one change can make room for the next.
 const PASSES: usize = 6;
 
-/// A refused vertex is put back this far inside its patch, in mean edge lengths. Much less makes a neck so thin that it
-/// throttles every later step.
+/// A refused vertex is put back this far inside its patch, in mean edge lengths, or as far as the trial moved the cut if that
+/// is less. Much less on a full step makes a neck so thin that it throttles every later step; the full distance on a short
+/// trial would keep J from falling however short the trial is.
 const MARGIN: f64 = 0.1;
 
 /// Refuses the changes from `old` to `levels.labels` that are not simple, and puts those vertices back.
 ///
-/// **Takes** `vanish`: whether the last vertex of a patch may go (needed with many patches). **Gives** whether anything was
-/// refused.
+/// **Takes** `vanish`: whether the last vertex of a patch may go (needed with many patches); how far the cut `moved` at most.
 pub(super) fn keep_simple(
     mesh: &Mesh,
     old: &[u32],
     levels: &mut LevelSets,
     vanish: bool,
     mean_edge: f64,
-) -> bool {
+    moved: f64,
+) {
     let mut waiting: Vec<(VertexId, u32, f64)> = levels
         .band()
         .filter(|v| levels.labels[v.index()] != old[v.index()])
@@ -33,9 +34,6 @@ pub(super) fn keep_simple(
             (v, wanted, levels.value(v, wanted).abs())
         })
         .collect();
-    if waiting.is_empty() {
-        return false;
-    }
     // Deepest first: those are the changes that the flow is surest of.
     waiting.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
     let mut labels = old.to_vec();
@@ -54,9 +52,8 @@ pub(super) fn keep_simple(
         }
     }
     for &(v, _, _) in &waiting {
-        levels.put_back(v, old[v.index()], MARGIN * mean_edge);
+        levels.put_back(v, old[v.index()], moved.min(MARGIN * mean_edge));
     }
-    !waiting.is_empty()
 }
 
 /// Whether giving `v` the label `wanted` changes no patch's topology.
