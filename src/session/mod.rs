@@ -244,9 +244,10 @@ impl Session {
         self.work.as_ref().map_or(&[], |work| &work.history)
     }
 
-    fn refuse(&mut self, refusal: Refusal, events: &mut Vec<Event>) {
+    fn refuse(&mut self, mut refusal: Refusal, events: &mut Vec<Event>) {
         let shows = refusal.scene.is_some();
         if shows {
+            refusal.problem.place += " Marked in red on the surface.";
             self.rejected = refusal.scene;
             self.scene_is_new = true;
         }

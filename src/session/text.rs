@@ -69,7 +69,7 @@ impl Problem {
                     subject(list.len(), "edge", "belong")
                 ),
                 edges(list),
-                "Remove inner walls and fins in a modelling program (Blender: Select › All by Trait › Non Manifold); the edges are marked in red.",
+                "Remove inner walls and fins in a modelling program (Blender: Select › All by Trait › Non Manifold).",
             ),
             MeshError::InconsistentOrientation { edges: list } => Self::new(
                 format!(
@@ -92,7 +92,7 @@ impl Problem {
                         n => format!(" and {} more", n - 1),
                     }
                 ),
-                "Split these vertices in a modelling program; they are marked in red.",
+                "Split these vertices in a modelling program.",
             ),
         }
     }
@@ -113,7 +113,7 @@ impl Problem {
             GeometryError::DegenerateFaces { faces } => Self::new(
                 format!("{} without area.", plural(faces.len(), "face")),
                 format!("{name}, first triangle {} (counted from 0).", faces[0].0),
-                "Dissolve degenerate faces in a modelling program (Blender: Mesh › Clean Up › Degenerate Dissolve); they are marked in red.",
+                "Dissolve degenerate faces in a modelling program (Blender: Mesh › Clean Up › Degenerate Dissolve).",
             ),
         }
     }
