@@ -130,7 +130,7 @@ fn lint() -> Result<Outcome> {
 }
 
 fn native() -> Result<Outcome> {
-    process::run(process::cargo("test").arg("--workspace"))?;
+    process::run(process::cargo("test").args(["--workspace", "--no-fail-fast"]))?;
     Ok(Outcome::Passed)
 }
 
