@@ -7,9 +7,10 @@ use cutflow::session::{Command, Session, Value};
 pub fn runs() -> Vec<(String, usize, f64)> {
     let mut rows = Vec::new();
     for (sample, changes, steps) in [
-        ("ball", vec![("dirichlet", 10.0), ("kick", 0.5)], 8),
-        ("rounded_box", vec![("hencky", 3000.0)], 8),
-        ("torus", vec![("dirichlet", 5.0), ("length", 3.0)], 4),
+        // Off the middle: a plane through vertices leaves their side to rounding.
+        ("ball", vec![("dirichlet", 10.0), ("offset", 3.0)], 8),
+        ("rounded_box", vec![("angle", 50.0)], 6),
+        ("wavy_vase", vec![("dirichlet", 5.0), ("length", 3.0)], 6),
     ] {
         let mut session = Session::new();
         session.handle(Command::OpenSample { name: sample.into() });

@@ -227,6 +227,9 @@ fn settings(args: &CutArgs) -> Result<Settings, Problem> {
 fn cut(args: &CutArgs) -> Result<(), Problem> {
     let mut session = Session::new();
     tell(session.open_with(open(&args.mesh), settings(args)?))?;
+    if let Some(folder) = &args.output {
+        make_folder(folder)?;
+    }
     let clock = clock();
     let is_quiet = writes_to_stdout(&args.report);
     if args.steps > 0 {
@@ -263,7 +266,6 @@ fn cut(args: &CutArgs) -> Result<(), Problem> {
     }
     warn_of_charts(session.layout()?);
     if let Some(folder) = &args.output {
-        make_folder(folder)?;
         for (kind, name) in [
             ("Cut (JSON)", "cut.json"),
             ("UV mesh (OBJ)", "uv.obj"),
@@ -279,6 +281,13 @@ fn cut(args: &CutArgs) -> Result<(), Problem> {
 fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
     let document = open(&args.mesh).map_err(|refusal| refusal.problem)?;
     let Method::Bff = args.method;
+    if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
+        return Err(Problem::new(
+            "The flattened surface is written as OBJ.",
+            args.output.display().to_string(),
+            "Choose a name that ends in .obj.",
+        ));
+    }
     let cut = match &args.cut {
         None => None,
         Some(path) => Some(cut_from_json(&document, &path.display().to_string(), &read(path)?)?),

@@ -145,8 +145,19 @@ impl Document {
             soup_vertices.iter().map(|&v| soup.positions[v as usize]).collect();
         let in_file = |v: usize| soup_vertices.get(v).map_or(v, |&s| s as usize);
 
+        if looks_inwards(&positions, &triangles) {
+            for triangle in &mut triangles {
+                triangle.swap(1, 2);
+            }
+            notices.push(NoticeText {
+                kind: "inside_out".into(),
+                count: triangles.len(),
+                text: "All faces looked inwards and were turned around.".into(),
+            });
+        }
         let mesh = Mesh::new(positions.len(), &triangles).map_err(|error| Refusal {
-            problem: Problem::mesh(name, &error, in_file),
+            // What was passed over in reading may be the reason.
+            problem: Problem::mesh(name, &error, in_file).after(&notices),
             scene: rejected_scene(&positions, &triangles, &Marks::of_mesh(&error)),
         })?;
         let (geometry, frame) =
@@ -218,6 +229,24 @@ impl Document {
     pub fn radius(&self) -> f64 {
         self.geometry.positions.iter().fold(0.0, |r: f64, p| r.max(p.coords.norm()))
     }
+}
+
+/// Whether triangles enclose a negative volume without a rim: a closed surface that is inside out.
+fn looks_inwards(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> bool {
+    let Ok(mesh) = Mesh::new(positions.len(), triangles) else { return false };
+    if !mesh.boundary_loops().is_empty() || triangles.is_empty() {
+        return false;
+    }
+    // About a point of the surface: the volume of a closed surface does not depend on it, the digits do.
+    let origin = Vector3::from(positions[triangles[0][0] as usize]);
+    let volume: f64 = triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| Vector3::from(positions[v as usize]) - origin);
+            a.dot(&b.cross(&c))
+        })
+        .sum();
+    volume < 0.0
 }
 
 /// Area-weighted mean of a face quantity at the vertices.

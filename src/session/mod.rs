@@ -419,10 +419,11 @@ impl Session {
                 let name = &work.document.name;
                 if let Some(flow) = &mut work.flow {
                     flow.set_params(params).map_err(|e| Problem::solve(name, &e))?;
-                    if flow.steps() == 0 {
-                        work.history = vec![first_row(flow)];
-                        self.push_energy(events);
+                    // One curve has one measure: the steps before are told by the new weights too.
+                    for row in &mut work.history {
+                        *row = row.reweighted(&params.weights);
                     }
+                    self.push_energy(events);
                 }
                 events.extend(self.work.as_ref().map(Work::measures));
             }
@@ -531,7 +532,7 @@ impl Session {
         if report.step > before {
             let energy = flow.state().energy();
             let weights = flow.params().weights;
-            let row = HistoryRow::new(report.step, &energy, weights.length);
+            let row = HistoryRow::new(report.step, &energy, &weights);
             work.history.push(row);
             work.is_settled = false;
             self.scene_is_new |= self.rejected.is_none();
@@ -603,9 +604,10 @@ impl Session {
             match work.flow.as_ref().map(CutFlow::status) {
                 None => ("ready", "Ready: choose another initial cut".to_owned()),
                 Some(Status::Converged) => ("converged", format!("Converged after {} steps", step)),
+                // Every direction was tried at every length: as good an end as the other.
                 Some(Status::Stalled) => (
                     "stalled",
-                    format!("Paused at step {step}: no step found that lowers the energy"),
+                    format!("Converged after {step} steps: nothing lowers the energy further"),
                 ),
                 Some(_) if step as f64 >= limit => {
                     ("step_limit", format!("Paused at step {step}: step limit reached"))
@@ -779,11 +781,13 @@ impl Work {
             .collect();
         let mm = self.mm_per_unit();
         let sheet = layout.packing.sheet;
+        let charts = layout.measures.charts.iter().flatten();
+        let flat: f64 = charts.map(|m| m.area * (1.0 + m.area_change)).sum();
         let pattern = (sheet.x > 0.0).then(|| PatternSize {
             width: sheet.x * mm,
             height: sheet.y * mm,
             unit: "mm".into(),
-            filled: total / (sheet.x * sheet.y),
+            filled: flat / (sheet.x * sheet.y),
             // Scenes have radius 1.
             unit_length: self.document.radius() * mm,
         });
@@ -814,7 +818,7 @@ impl Work {
                 Status::Infeasible => "infeasible",
                 Status::StepLimit => "step_limit",
                 Status::Running if steps as f64 >= self.settings.number("steps") => "step_limit",
-                Status::Running => "running",
+                Status::Running => "paused",
             },
             history: self.history.clone(),
             cut_length: energy.length,
@@ -856,7 +860,7 @@ impl Work {
                 let mm = self.mm_per_unit();
                 let (pieces, _) = Pattern::new(&layout.opened, &layout.charts, &layout.points, mm);
                 let params = SheetParams {
-                    title: document.name.clone(),
+                    title: base_name(&document.name).to_owned(),
                     mm_per_model_unit: Some(mm * document.frame.scale),
                     ..SheetParams::default()
                 };
@@ -906,7 +910,7 @@ fn start_flow(
 
 /// The history's row of a flow that has just begun.
 fn first_row(flow: &CutFlow) -> HistoryRow {
-    HistoryRow::new(flow.steps(), &flow.state().energy(), flow.params().weights.length)
+    HistoryRow::new(flow.steps(), &flow.state().energy(), &flow.params().weights)
 }
 
 /// A point of the energy plot.
@@ -935,9 +939,14 @@ fn nothing_open() -> Problem {
     Problem::new("No mesh is open.", "In the document.", "Open a mesh or choose a sample first.")
 }
 
+/// A file name without its folders.
+fn base_name(name: &str) -> &str {
+    name.rsplit(['/', '\\']).next().unwrap_or(name)
+}
+
 /// A file name without its ending, safe to offer for saving.
 fn stem(name: &str) -> String {
-    let base = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let base = base_name(name);
     let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
     let clean: String = stem
         .chars()

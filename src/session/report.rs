@@ -6,7 +6,7 @@ use super::document::Document;
 use super::layout::Layout;
 use super::message::NoticeText;
 use crate::flatten::ChartMeasures;
-use crate::methods::cutflow::Energy;
+use crate::methods::cutflow::{Energy, Weights};
 
 /// `cutflow info`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -40,7 +40,7 @@ pub struct CutReport {
     pub regions: usize,
     /// Accepted steps.
     pub steps: usize,
-    /// `running`, `converged`, `stalled` or `step_limit`.
+    /// `running`, `paused`, `converged`, `stalled` or `step_limit`.
     pub status: &'static str,
     /// One entry for each step, the initial cut first.
     pub history: Vec<HistoryRow>,
@@ -75,6 +75,9 @@ pub struct HistoryRow {
     pub length: f64,
     /// J.
     pub total: f64,
+    /// Its terms, from which it follows for other weights.
+    #[serde(skip)]
+    energy: Energy,
 }
 
 /// One patch.
@@ -145,13 +148,15 @@ impl InfoReport {
 
 impl HistoryRow {
     /// Of an energy after a step.
-    pub fn new(step: usize, energy: &Energy, length_weight: f64) -> Self {
-        Self {
-            step,
-            distortion: energy.total - length_weight * energy.length,
-            length: energy.length,
-            total: energy.total,
-        }
+    pub fn new(step: usize, energy: &Energy, weights: &Weights) -> Self {
+        let distortion = weights.dirichlet * energy.dirichlet + weights.hencky * energy.hencky;
+        let total = distortion + weights.length * energy.length;
+        Self { step, distortion, length: energy.length, total, energy: *energy }
+    }
+
+    /// The same step measured with other weights.
+    pub fn reweighted(&self, weights: &Weights) -> Self {
+        Self::new(self.step, &self.energy, weights)
     }
 }
 

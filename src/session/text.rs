@@ -1,5 +1,6 @@
 //! Errors as a person reads them: what is wrong, where, what to do.
 
+use super::message::NoticeText;
 use crate::geometry::GeometryError;
 use crate::linalg::LinalgError;
 use crate::mesh::MeshError;
@@ -35,6 +36,14 @@ impl Problem {
             None => format!("{name}."),
         };
         Self::new(format!("{fault}."), place, error.fault.advice())
+    }
+
+    /// The same problem of a file in which other things were found before.
+    pub fn after(mut self, notices: &[NoticeText]) -> Self {
+        if let Some(notice) = notices.first() {
+            self.place += &format!(" Found before that: {}", notice.text);
+        }
+        self
     }
 
     /// The text of triangles that form no surface. `vertex` gives the file's index of a vertex of the mesh.

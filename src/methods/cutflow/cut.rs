@@ -349,7 +349,9 @@ impl FacePoints {
         let (cos_x, sin_x) = turn(px, pb, pz);
         let (cos_c, sin_c) = turn(pc, pz, pb);
         let [bz, xc] = halves(lone);
-        let quad = if sin_x * cos_c + cos_x * sin_c >= 0.0 { bz } else { xc };
+        // Evenly divided faces make exact ties, which rounding must not decide differently on different machines.
+        let size = (cos_x.abs() + sin_x.abs()) * (cos_c.abs() + sin_c.abs());
+        let quad = if sin_x * cos_c + cos_x * sin_c >= -1e-12 * size { bz } else { xc };
         let lone_triangle = [Corner::Vertex(a), x, z];
         let mut all = [(lone_triangle, 1.0); 6];
         all[1].0 = quad[0];
