@@ -261,6 +261,10 @@ impl Painter {
                     if stage.shows_field() {
                         self.draw_ribbons(&mut pass, Part::ChartRims, Look::Band);
                     }
+                    if stage.is_dark() {
+                        // Dark outlines need a light edge to be seen on a dark ground.
+                        self.draw_ribbons(&mut pass, Part::ChartRims, Look::Casing);
+                    }
                     self.draw_ribbons(&mut pass, Part::ChartRims, Look::Cut);
                     self.draw_ribbons(&mut pass, Part::ChartOutline, Look::Outline);
                 }

@@ -207,6 +207,11 @@ impl Stage {
         &self.scene
     }
 
+    /// Whether the ground is dark.
+    pub fn is_dark(&self) -> bool {
+        self.is_dark
+    }
+
     /// Light or dark.
     pub fn set_theme(&mut self, is_dark: bool) {
         self.is_dark = is_dark;

@@ -41,6 +41,8 @@ for (const renderer of RENDERERS) {
       await page.page.goto(`${PAGE}?renderer=${renderer.query}`);
       await page.status(/^(Running step [1-9]|Converged)/);
       t.diagnostic(`first running step ${((performance.now() - start) / 1000).toFixed(1)} s after opening`);
+      // The engine may be faster than the graphics.
+      await page.page.waitForSelector("html[data-renderer]", { state: "attached" });
       assert.equal(await page.page.locator("html").getAttribute("data-renderer"), renderer.name);
       await screenshot(page.page, `${renderer.name}-example`);
     });
