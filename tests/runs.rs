@@ -10,7 +10,7 @@ pub fn runs() -> Vec<(String, usize, f64)> {
         // Off the middle: a plane through vertices leaves their side to rounding.
         ("ball", vec![("dirichlet", 10.0), ("offset", 3.0)], 8),
         ("rounded_box", vec![("angle", 50.0)], 6),
-        ("wavy_vase", vec![("dirichlet", 5.0), ("length", 3.0)], 6),
+        ("ball", vec![("hencky", 3000.0), ("dirichlet", 0.0), ("offset", -8.0)], 8),
     ] {
         let mut session = Session::new();
         session.handle(Command::OpenSample { name: sample.into() });
