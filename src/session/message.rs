@@ -255,6 +255,8 @@ pub struct PatternSize {
     pub filled: f64,
     /// Length of one unit of the scene, in `unit`.
     pub unit_length: f64,
+    /// Crossings of outlines, with themselves and with each other.
+    pub overlaps: usize,
 }
 
 /// A parameter: slider, command-line option and help text are made from it.

@@ -790,6 +790,7 @@ impl Work {
             filled: flat / (sheet.x * sheet.y),
             // Scenes have radius 1.
             unit_length: self.document.radius() * mm,
+            overlaps: layout.overlaps(),
         });
         Event::Measures { rows, pieces, pattern }
     }

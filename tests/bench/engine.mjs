@@ -9,15 +9,21 @@ initSync({ module: await readFile(new URL("engine_bg.wasm", pkg)) });
 const engine = new Engine();
 engine.warm_up();
 engine.handle({ type: "open_sample", name: "ball" });
-engine.handle({ type: "run" });
-
 const steps = (events) => events.filter((event) => event.type === "energy").length;
 const advance = (count) => {
   let done = 0;
   while (done < count && engine.is_running()) done += steps(engine.advance(0));
   return done;
 };
-advance(10);
-const start = performance.now();
-const done = advance(20);
-console.log(((performance.now() - start) / done).toFixed(3));
+// Three rounds, the middle one counts: the first still meets code that is being compiled.
+const rounds = [];
+for (let round = 0; round < 3; round++) {
+  engine.handle({ type: "reset" });
+  engine.handle({ type: "run" });
+  advance(10);
+  const start = performance.now();
+  const done = advance(20);
+  rounds.push((performance.now() - start) / done);
+}
+rounds.sort((a, b) => a - b);
+console.log(rounds[1].toFixed(3));

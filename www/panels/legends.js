@@ -61,7 +61,8 @@ function flatSummary({ patches }, pattern) {
   if (pattern) {
     const filled = pattern.filled ? [`${fixed(100 * pattern.filled, 0)} % filled`] : [];
     const size = `${fixed(pattern.width, 0)} × ${fixed(pattern.height, 0)} ${pattern.unit}`;
-    return line(size, [...filled, ...(waiting + flipped > 0 ? state : [])].join(", "));
+    const crossed = pattern.overlaps > 0 ? [`outlines cross ${plural(pattern.overlaps, "time")}`] : [];
+    return line(size, [...filled, ...(waiting + flipped > 0 ? state : []), ...crossed].join(", "));
   }
   return line(plural(patches.length - waiting, "chart"), state.join(", "));
 }
