@@ -9,6 +9,7 @@ initSync({ module: await readFile(new URL("engine_bg.wasm", pkg)) });
 const engine = new Engine();
 engine.warm_up();
 engine.handle({ type: "open_sample", name: "ball" });
+
 const steps = (events) => events.filter((event) => event.type === "energy").length;
 const advance = (count) => {
   let done = 0;
