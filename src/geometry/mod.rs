@@ -70,13 +70,7 @@ impl Geometry {
     /// there the angles are rounding noise). **Costs** O(V + F).
     pub fn new(mesh: &Mesh, positions: Vec<Point3<f64>>) -> Result<Self, GeometryError> {
         assert_eq!(positions.len(), mesh.vertex_count());
-        let not_finite: Vec<VertexId> = mesh
-            .vertices()
-            .filter(|v| !positions[v.index()].iter().all(|x| x.is_finite()))
-            .collect();
-        if !not_finite.is_empty() {
-            return Err(GeometryError::NotFinite { vertices: not_finite });
-        }
+        check_finite(mesh, |v| positions[v.index()].iter().all(|x| x.is_finite()))?;
         let geometry = Self::measure(mesh, positions);
         let longest = geometry.edge_lengths.iter().fold(0.0, |m: f64, &l| m.max(l));
         if !(longest > 1e-100 && longest < 1e100) {
@@ -137,13 +131,7 @@ impl Geometry {
         mesh: &Mesh,
         positions: &[[f64; 3]],
     ) -> Result<(Self, UnitFrame), GeometryError> {
-        let not_finite: Vec<VertexId> = mesh
-            .vertices()
-            .filter(|v| !positions[v.index()].iter().all(|x| x.is_finite()))
-            .collect();
-        if !not_finite.is_empty() {
-            return Err(GeometryError::NotFinite { vertices: not_finite });
-        }
+        check_finite(mesh, |v| positions[v.index()].iter().all(|x| x.is_finite()))?;
         let mut low = Vector3::repeat(f64::INFINITY);
         let mut high = Vector3::repeat(f64::NEG_INFINITY);
         for v in mesh.vertices().filter(|&v| mesh.halfedge(v).is_some()) {
@@ -234,4 +222,10 @@ impl Geometry {
             }
         }
     }
+}
+
+/// Names the vertices whose coordinates are not finite.
+fn check_finite(mesh: &Mesh, is_finite: impl Fn(VertexId) -> bool) -> Result<(), GeometryError> {
+    let vertices: Vec<VertexId> = mesh.vertices().filter(|&v| !is_finite(v)).collect();
+    if vertices.is_empty() { Ok(()) } else { Err(GeometryError::NotFinite { vertices }) }
 }

@@ -7,7 +7,7 @@ use super::layout::Layout;
 use super::text::Problem;
 use crate::mesh::{CutMesh, VertexId};
 use crate::methods::cutflow::labelled_cut;
-use crate::pattern::{self, CutSurface};
+use crate::pattern;
 
 #[derive(Deserialize)]
 struct CutFile {
@@ -88,13 +88,7 @@ pub fn document_layout(
     let cut = cut.unwrap_or_else(|| CutMesh::uncut(&document.mesh));
     let layout = Layout::full(document, cut, None)
         .map_err(|error| Problem::solve(&document.name, &error))?;
-    let surface = CutSurface {
-        soup: &document.soup,
-        soup_vertices: &document.soup_vertices,
-        mesh: &document.mesh,
-        cut: &layout.cut,
-        opened: &layout.opened,
-    };
-    let bytes = pattern::uv_obj(&surface, &layout.charts, 1.0 / document.frame.scale);
+    let bytes =
+        pattern::uv_obj(&layout.surface(document), &layout.charts, 1.0 / document.frame.scale);
     Ok((layout, bytes))
 }

@@ -10,6 +10,7 @@ use crate::linalg::Factor;
 use crate::mesh::{CutMesh, HalfedgeId, Mesh, OpenedMesh};
 use crate::methods::cutgraph::cut_to_disks;
 use crate::methods::flow::SolveError;
+use crate::pattern::CutSurface;
 
 /// Free space between charts, √area = 1.
 const GAP: f64 = 0.02;
@@ -105,6 +106,17 @@ impl Layout {
             overlaps_across,
             disk_cut_length,
             vertex_patches,
+        }
+    }
+
+    /// The cut surface as the writers of files take it.
+    pub fn surface<'a>(&'a self, document: &'a Document) -> CutSurface<'a> {
+        CutSurface {
+            soup: &document.soup,
+            soup_vertices: &document.soup_vertices,
+            mesh: &document.mesh,
+            cut: &self.cut,
+            opened: &self.opened,
         }
     }
 

@@ -1,0 +1,358 @@
+//! A document at work: its parameters, its cut, and what is made of both for tables, pictures and files.
+
+use std::rc::Rc;
+
+use super::document::Document;
+use super::layout::Layout;
+use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
+use super::params::Settings;
+use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
+use super::text::Problem;
+use super::{nothing_open, picture};
+use crate::methods::cutflow::{Checkpoint, CutFlow, Weights};
+use crate::methods::flow::{Flow, Status};
+use crate::pattern::{self, Pattern, Sheet, SheetParams};
+
+/// A document, its parameters and its cut.
+pub(super) struct Work {
+    pub document: Rc<Document>,
+    pub settings: Settings,
+    pub flow: Option<CutFlow>,
+    pub history: Vec<HistoryRow>,
+    pub layout: Option<Layout>,
+    /// The layout at rest is of the current cut.
+    pub is_settled: bool,
+    pub start: Option<Vec<Row>>,
+    pub revision: u32,
+}
+
+/// What Undo goes back to.
+pub(super) struct Snapshot {
+    /// The change that came after.
+    pub label: String,
+    /// What Undo calls a run of the same kind of changes; those are taken back together.
+    pub kind: String,
+    pub document: Rc<Document>,
+    pub settings: Settings,
+    pub checkpoint: Option<Checkpoint>,
+    pub history: Vec<HistoryRow>,
+    pub start: Option<Vec<Row>>,
+}
+
+impl Work {
+    pub fn step(&self) -> usize {
+        self.flow.as_ref().map_or(0, CutFlow::steps)
+    }
+
+    pub fn labels(&self) -> Vec<u32> {
+        match &self.flow {
+            Some(flow) => flow.state().labels().to_vec(),
+            None => vec![0; self.document.mesh.vertex_count()],
+        }
+    }
+
+    pub fn u(&self) -> Vec<f64> {
+        match &self.flow {
+            Some(flow) => flow.state().u().to_vec(),
+            None => vec![0.0; self.document.mesh.vertex_count()],
+        }
+    }
+
+    /// J and its terms at every step so far.
+    pub fn energy_curve(&self) -> impl Iterator<Item = Event> + '_ {
+        let weights = self.settings.flow_params().weights;
+        self.history.iter().map(move |row| energy_event(row, &weights))
+    }
+
+    pub fn snapshot(&self, label: &str, kind: &str) -> Snapshot {
+        Snapshot {
+            label: label.to_owned(),
+            kind: kind.to_owned(),
+            document: self.document.clone(),
+            settings: self.settings.clone(),
+            checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
+            history: self.history.clone(),
+            start: self.start.clone(),
+        }
+    }
+
+    /// A document at the start of a flow; without one the surface is shown whole.
+    pub fn new(document: Rc<Document>, settings: Settings, flow: Option<CutFlow>) -> Self {
+        let history = flow.iter().map(first_row).collect();
+        Self {
+            document,
+            settings,
+            flow,
+            history,
+            layout: None,
+            is_settled: false,
+            start: None,
+            revision: 0,
+        }
+    }
+
+    /// Goes on with another flow from its start.
+    pub fn begin(&mut self, flow: CutFlow) {
+        self.history = vec![first_row(&flow)];
+        self.flow = Some(flow);
+        self.start = None;
+        self.is_settled = false;
+    }
+
+    /// The layout of a running flow: with the flow's own factor where all patches are disks, whole otherwise.
+    pub fn preview(&mut self) -> Result<(), Problem> {
+        let Some(flow) = &mut self.flow else { return self.settle() };
+        let packing = self.layout.as_ref().map(|l| &l.packing);
+        let layout = Layout::preview(&self.document, flow.cut_mesh(), flow.factor(), packing)
+            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        if layout.is_complete() {
+            self.layout = Some(layout);
+            return Ok(());
+        }
+        let layout = Layout::full(&self.document, flow.cut_mesh(), packing)
+            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        self.layout = Some(layout);
+        Ok(())
+    }
+
+    pub fn settle(&mut self) -> Result<(), Problem> {
+        let cut = match &self.flow {
+            Some(flow) => flow.cut_mesh(),
+            None => crate::mesh::CutMesh::uncut(&self.document.mesh),
+        };
+        let packing = self.layout.as_ref().map(|l| &l.packing);
+        let layout = Layout::full(&self.document, cut, packing)
+            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        self.layout = Some(layout);
+        self.is_settled = true;
+        if self.start.is_none() {
+            self.start = Some(self.rows());
+        }
+        Ok(())
+    }
+
+    /// Millimetres per √area.
+    pub fn mm_per_unit(&self) -> f64 {
+        self.settings.number("size") / self.document.largest_side().max(1e-300)
+    }
+
+    /// The rows of the table of measures, without their starts.
+    pub fn rows(&self) -> Vec<Row> {
+        let Some(layout) = &self.layout else { return Vec::new() };
+        let row = |id: &str, label: &str, unit: &str, now: f64| Row {
+            id: id.into(),
+            label: label.into(),
+            unit: unit.into(),
+            now: now.is_finite().then_some(now),
+            start: None,
+        };
+        let totals = &layout.measures.totals;
+        let mut rows = vec![
+            row("pieces", "Pieces", "", layout.opened.patch_count as f64),
+            row("cut_length", "Cut length", "√A", layout.cut_length()),
+            row("area_distortion", "Area distortion", "", totals.area_distortion),
+            row("angle_distortion", "Angle distortion", "", totals.angle_distortion),
+            row("flipped", "Flipped triangles", "", totals.flipped as f64),
+            row("overlaps", "Overlaps", "", layout.overlaps() as f64),
+        ];
+        if let Some(flow) = &self.flow {
+            let energy = flow.state().energy();
+            rows.push(row("dirichlet", "Dirichlet ∫|∇u|²", "", energy.dirichlet));
+            rows.push(row("hencky", "Hencky ∫u²", "", energy.hencky));
+        }
+        if layout.disk_cut_length > 0.0 {
+            rows.push(row("disk_cuts", "Added for disks", "√A", layout.disk_cut_length));
+        }
+        rows
+    }
+
+    pub fn measures(&self) -> Event {
+        let mut rows = self.rows();
+        for row in &mut rows {
+            let start = self.start.iter().flatten().find(|s| s.id == row.id);
+            row.start = start.and_then(|s| s.now);
+        }
+        let Some(layout) = &self.layout else {
+            return Event::Measures { rows, pieces: Vec::new(), pattern: None };
+        };
+        let colours = picture::patch_colours(layout, &self.labels());
+        let areas = layout.patch_areas();
+        let seams = layout.seam_lengths();
+        let total: f64 = areas.iter().sum();
+        let pieces = (0..layout.opened.patch_count)
+            .map(|patch| {
+                let measures = layout.measures.charts[patch].as_ref();
+                let flipped = measures.map_or(0, |m| m.flipped);
+                let overlaps = measures.map_or(0, |m| m.overlaps);
+                let note = layout.note(patch).unwrap_or_default();
+                PieceRow {
+                    patch,
+                    color: colours[patch],
+                    area_fraction: areas[patch] / total,
+                    seam_length: seams[patch],
+                    rms_u: measures.map(|m| (m.hencky / m.area).sqrt()),
+                    flipped,
+                    overlaps,
+                    has_chart: measures.is_some(),
+                    note,
+                }
+            })
+            .collect();
+        let mm = self.mm_per_unit();
+        let sheet = layout.packing.sheet;
+        let charts = layout.measures.charts.iter().flatten();
+        let flat: f64 = charts.map(|m| m.area * (1.0 + m.area_change)).sum();
+        let pattern = (sheet.x > 0.0).then(|| PatternSize {
+            width: sheet.x * mm,
+            height: sheet.y * mm,
+            unit: "mm".into(),
+            filled: flat / (sheet.x * sheet.y),
+            // Scenes have radius 1.
+            unit_length: self.document.radius() * mm,
+            overlaps: layout.overlaps(),
+        });
+        Event::Measures { rows, pieces, pattern }
+    }
+
+    pub fn cut_report(&self, seconds: Option<f64>) -> Result<CutReport, Problem> {
+        let (Some(layout), Some(flow)) = (&self.layout, &self.flow) else {
+            return Err(Problem::new(
+                "There is no cut to report on.",
+                format!("{}, initial cut.", self.document.name),
+                "Choose another initial cut.",
+            ));
+        };
+        let energy = flow.state().energy();
+        let mut labels = self.labels();
+        labels.sort_unstable();
+        labels.dedup();
+        let steps = flow.steps();
+        Ok(CutReport {
+            vertices: self.document.summary.vertices,
+            faces: self.document.summary.faces,
+            regions: labels.len(),
+            steps,
+            status: match flow.status() {
+                Status::Converged => "converged",
+                Status::Stalled => "stalled",
+                Status::Infeasible => "infeasible",
+                Status::StepLimit => "step_limit",
+                Status::Running if steps as f64 >= self.settings.number("steps") => "step_limit",
+                Status::Running => "paused",
+            },
+            history: self.history.clone(),
+            cut_length: energy.length,
+            disk_cut_length: layout.disk_cut_length,
+            hencky: energy.hencky,
+            dirichlet: energy.dirichlet,
+            residual: flow.state().residual(),
+            patches: patch_reports(layout),
+            flattening: FlattenReport::new(layout, None),
+            seconds,
+            seconds_per_step: seconds.filter(|_| steps > 0).map(|s| s / steps as f64),
+        })
+    }
+
+    pub fn export(&self, kind: &str) -> Result<File, Problem> {
+        let Some(layout) = &self.layout else { return Err(nothing_open()) };
+        let document = &*self.document;
+        let surface = layout.surface(document);
+        let stem = stem(&document.name);
+        let file =
+            |suffix: &str, mime, bytes| File { name: format!("{stem}-{suffix}"), mime, bytes };
+        match kind {
+            "UV mesh (OBJ)" => {
+                let bytes = pattern::uv_obj(&surface, &layout.charts, 1.0 / document.frame.scale);
+                Ok(file("uv.obj", "model/obj", bytes))
+            }
+            "Cut curves (OBJ)" => Ok(file("cut.obj", "model/obj", pattern::cut_obj(&surface))),
+            "Cut (JSON)" => {
+                let bytes = pattern::cut_json(&surface, &self.labels());
+                Ok(file("cut.json", "application/json", bytes))
+            }
+            "Pattern (SVG)" => {
+                let mm = self.mm_per_unit();
+                let (pieces, _) = Pattern::new(&layout.opened, &layout.charts, &layout.points, mm);
+                let params = SheetParams {
+                    title: base_name(&document.name).to_owned(),
+                    mm_per_model_unit: Some(mm * document.frame.scale),
+                    ..SheetParams::default()
+                };
+                let bytes = pattern::svg(&Sheet::new(pieces, &params));
+                Ok(file("pattern.svg", "image/svg+xml", bytes))
+            }
+            "Report (JSON)" => {
+                #[derive(serde::Serialize)]
+                struct Whole {
+                    info: InfoReport,
+                    cut: CutReport,
+                }
+                let whole = Whole { info: InfoReport::new(document), cut: self.cut_report(None)? };
+                let bytes = serde_json::to_vec_pretty(&whole).map_err(|error| {
+                    Problem::new(
+                        format!("The report could not be written: {error}."),
+                        format!("{}.", document.name),
+                        "Reset the run and try again.",
+                    )
+                })?;
+                Ok(file("report.json", "application/json", bytes))
+            }
+            _ => Err(Problem::new(
+                format!("There is no export called “{kind}”."),
+                "In the choice of an export.",
+                "Choose UV mesh (OBJ), Cut curves (OBJ), Cut (JSON), Pattern (SVG) or Report (JSON).",
+            )),
+        }
+    }
+}
+
+/// A flow from the initial cut that the parameters ask for, or from a checkpoint.
+pub(super) fn start_flow(
+    document: &Document,
+    settings: &Settings,
+    checkpoint: Option<&Checkpoint>,
+) -> Result<CutFlow, Problem> {
+    let wrong = |error| Problem::solve(&document.name, &error);
+    let initial = settings.initial(document)?;
+    let (mesh, geometry) = (document.mesh.clone(), document.geometry.clone());
+    let mut flow = CutFlow::new(mesh, geometry, &initial, settings.flow_params()).map_err(wrong)?;
+    if let Some(checkpoint) = checkpoint {
+        flow.restore(checkpoint).map_err(wrong)?;
+    }
+    Ok(flow)
+}
+
+/// The history's row of a flow that has just begun.
+pub(super) fn first_row(flow: &CutFlow) -> HistoryRow {
+    HistoryRow::new(flow.steps(), &flow.state().energy(), &flow.params().weights)
+}
+
+/// A point of the energy plot.
+pub(super) fn energy_event(row: &HistoryRow, weights: &Weights) -> Event {
+    let distortion = match (weights.dirichlet > 0.0, weights.hencky > 0.0) {
+        (true, false) => "Dirichlet",
+        (false, true) => "Hencky",
+        _ => "Distortion",
+    };
+    let term = |name: &str, value: f64| Term { name: name.into(), value };
+    let terms =
+        vec![term("Length α|γ|", row.total - row.distortion), term(distortion, row.distortion)];
+    Event::Energy { step: row.step, total: row.total, terms }
+}
+
+/// A file name without its folders.
+fn base_name(name: &str) -> &str {
+    name.rsplit(['/', '\\']).next().unwrap_or(name)
+}
+
+/// A file name without its ending, safe to offer for saving.
+fn stem(name: &str) -> String {
+    let base = base_name(name);
+    let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
+    let clean: String = stem
+        .chars()
+        .map(|c| if c.is_alphanumeric() || "-_ ".contains(c) { c } else { '_' })
+        .collect();
+    let clean = clean.trim().replace(' ', "-");
+    if clean.is_empty() { "cutflow".into() } else { clean }
+}
