@@ -10,6 +10,7 @@ mod chains;
 mod cut_mesh;
 mod halfedge;
 pub mod obj;
+pub mod read;
 mod soup;
 
 pub use chains::chains;

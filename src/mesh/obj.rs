@@ -273,7 +273,7 @@ impl Reader {
             starts: Vec::with_capacity(faces + 1),
             lines: Vec::with_capacity(faces),
             texture_coordinates: Vec::with_capacity(textures),
-            texture_corners: Vec::new(),
+            ..Soup::default()
         };
         soup.starts.push(0);
         Self {
@@ -312,8 +312,9 @@ impl Reader {
     }
 
     fn face(&mut self, words: &mut Words<'_>, line: u32) -> Result<(), ReadError> {
-        let Soup { positions, corners, starts, lines, texture_coordinates, texture_corners } =
-            &mut self.soup;
+        let Soup {
+            positions, corners, starts, lines, texture_coordinates, texture_corners, ..
+        } = &mut self.soup;
         let first = corners.len();
         let (mut bad_vertex, mut bad_texture) = (None, None);
         while let Some(word) = words.next() {

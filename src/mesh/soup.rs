@@ -18,6 +18,18 @@ pub struct Soup {
     /// For each entry of `corners` its index into `texture_coordinates`, `u32::MAX` for none; empty where the file
     /// has none.
     pub texture_corners: Vec<u32>,
+    /// Normals of the file, in its order; empty where it has none.
+    pub normals: Vec<[f64; 3]>,
+    /// For each entry of `corners` its index into `normals`, `u32::MAX` for none; empty where the file has none.
+    pub normal_corners: Vec<u32>,
+    /// Names of groups, objects or nodes, in order of first use; empty where the file has none.
+    pub groups: Vec<String>,
+    /// For each polygon its index into `groups`, `u32::MAX` for none; empty where the file has none.
+    pub polygon_groups: Vec<u32>,
+    /// Names of materials, in order of first use; empty where the file has none.
+    pub materials: Vec<String>,
+    /// For each polygon its index into `materials`, `u32::MAX` for none; empty where the file has none.
+    pub polygon_materials: Vec<u32>,
 }
 
 impl Soup {
