@@ -7,6 +7,9 @@
 //! Not guaranteed: that the polygons make a surface. A polygon may name a vertex twice, have no area, or share an edge with
 //! five others; the doctor finds that out.
 
+pub mod gltf;
+pub mod stl;
+
 use std::fmt;
 
 use thiserror::Error;
@@ -95,6 +98,12 @@ pub enum ReadFault {
         /// Number that was promised.
         promised: u64,
     },
+    /// Something of STL alone.
+    #[error(transparent)]
+    Stl(#[from] stl::StlFault),
+    /// Something of glTF alone.
+    #[error(transparent)]
+    Gltf(#[from] gltf::GltfFault),
 }
 
 /// Something in a file that was passed over or changed in reading, and how often.
