@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::message::{MeshSummary, NoticeText};
 use super::samples;
 use super::surface::Surface;
-use super::text::{Problem, plural};
+use super::text::{Problem, capital, plural};
 use crate::geometry::doctor::{Diagnosis, diagnose};
 use crate::geometry::polygon;
 use crate::mesh::Soup;
@@ -145,4 +145,26 @@ impl Document {
     pub fn largest_side(&self) -> f64 {
         Vector3::from(self.size()).max()
     }
+}
+
+/// Something that was passed over in reading.
+fn notice(notice: &ReadNotice) -> NoticeText {
+    let text = capital(&notice.to_string());
+    NoticeText { kind: notice.kind.to_owned(), count: notice.count, text: format!("{text}.") }
+}
+
+/// Corners of the box around the vertices that faces use.
+fn used_bounds(soup: &Soup) -> [[f64; 3]; 2] {
+    let mut used = vec![false; soup.positions.len()];
+    for &v in &soup.corners {
+        used[v as usize] = true;
+    }
+    let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for (p, _) in soup.positions.iter().zip(&used).filter(|&(_, &used)| used) {
+        for i in 0..3 {
+            bounds[0][i] = bounds[0][i].min(p[i]);
+            bounds[1][i] = bounds[1][i].max(p[i]);
+        }
+    }
+    bounds
 }

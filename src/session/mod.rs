@@ -25,6 +25,7 @@ mod surface;
 mod text;
 mod work;
 
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::methods::cutflow::CutFlow;
@@ -528,6 +529,87 @@ impl Session {
         events.push(self.status());
         events.push(Event::Scene);
         Ok(())
+    }
+
+    /// Marks a finding on the surface, or goes back to the pieces.
+    fn show_finding(&mut self, id: Option<String>, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let known = |id: &String| work.document.diagnosis.findings.iter().any(|f| f.kind.id() == id);
+        self.shown = id.filter(known);
+        self.scene_is_new = true;
+        events.extend(self.doctor_event());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    /// One repair, or all that are recommended.
+    fn repair(&mut self, id: Option<&str>, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let (document, label) = match id {
+            Some(id) => work.document.repaired_by(id)?,
+            None => (work.document.repaired()?, "repair".to_owned()),
+        };
+        let settings = work.settings.clone();
+        self.change_to(document, settings, &label, events);
+        Ok(())
+    }
+
+    /// Starts a preparation; [`Session::advance`] goes on with it.
+    fn prepare(
+        &mut self,
+        tool: &str,
+        values: &BTreeMap<String, f64>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let preparation = Preparation::new(&work.document, tool, values)?;
+        self.is_running = false;
+        events.push(preparation.progress());
+        self.preparation = Some(preparation);
+        events.push(self.status());
+        Ok(())
+    }
+
+    /// One step of the preparation; its result becomes the document at the end.
+    fn prepare_on(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let (Some(work), Some(mut preparation)) = (&self.work, self.preparation.take()) else {
+            return Ok(());
+        };
+        let report =
+            preparation.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
+        events.push(preparation.progress());
+        if report.status == Status::Running {
+            self.preparation = Some(preparation);
+            return Ok(());
+        }
+        let label = preparation.label.to_lowercase();
+        let (soup, note) = preparation.finish(report.status);
+        let mut document = work.document.with_soup(soup)?;
+        if let Some(note) = note {
+            document.summary.notices.push(NoticeText {
+                kind: "prepared".into(),
+                count: 1,
+                text: note.into(),
+            });
+        }
+        let settings = work.settings.clone();
+        self.change_to(document, settings, &label, events);
+        Ok(())
+    }
+
+    fn doctor_event(&self) -> Option<Event> {
+        let work = self.work.as_ref()?;
+        Some(Event::Doctor(doctor::report(&work.document, self.shown.as_deref())))
+    }
+
+    fn tools_event(&self) -> Option<Event> {
+        let work = self.work.as_ref()?;
+        Some(Event::Tools { options: preparing::tools(&work.document) })
+    }
+
+    fn size_event(&self) -> Option<Event> {
+        let work = self.work.as_ref()?;
+        Some(size::event(&work.document, &work.settings))
     }
 
     /// Whether Run has nothing left to do.

@@ -1,10 +1,9 @@
 //! Errors as a person reads them: what is wrong, where, what to do.
 
-use super::message::NoticeText;
 use crate::geometry::GeometryError;
 use crate::linalg::LinalgError;
 use crate::mesh::MeshError;
-use crate::mesh::obj::ReadError;
+use crate::mesh::read::{Place, ReadError};
 use crate::methods::flow::SolveError;
 
 /// Something that could not be done, in three parts.
@@ -31,19 +30,12 @@ impl Problem {
     /// The text of a file that could not be read.
     pub fn read(name: &str, error: &ReadError) -> Self {
         let fault = capital(&error.fault.to_string());
-        let place = match error.line {
-            Some(line) => format!("{name}, line {line}."),
-            None => format!("{name}."),
+        let place = match error.place {
+            Place::File => format!("{name}."),
+            Place::Line(_) => format!("{name}, {}.", error.place),
+            place => format!("{name}, {place} (counted from 0)."),
         };
         Self::new(format!("{fault}."), place, error.fault.advice())
-    }
-
-    /// The same problem of a file in which other things were found before.
-    pub fn after(mut self, notices: &[NoticeText]) -> Self {
-        if let Some(notice) = notices.first() {
-            self.place += &format!(" Found before that: {}", notice.text);
-        }
-        self
     }
 
     /// The text of triangles that form no surface. `vertex` gives the file's index of a vertex of the mesh.
@@ -120,9 +112,12 @@ impl Problem {
                 "Check the export; the scale may have been lost.",
             ),
             GeometryError::DegenerateFaces { faces } => Self::new(
-                format!("{} without area.", plural(faces.len(), "face")),
-                format!("{name}, first triangle {} (counted from 0).", faces[0].0),
-                "Dissolve degenerate faces in a modelling program (Blender: Mesh › Clean Up › Degenerate Dissolve).",
+                match faces.len() {
+                    1 => "The only face has zero area.".to_owned(),
+                    n => format!("All {n} faces have zero area: the points lie on one line."),
+                },
+                format!("{name}."),
+                "Check the export; one of the directions may have been lost.",
             ),
         }
     }
@@ -189,7 +184,7 @@ fn subject(count: usize, noun: &str, verb: &str) -> String {
 }
 
 /// With a capital at its beginning.
-fn capital(text: &str) -> String {
+pub fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().collect::<String>() + letters.as_str()
