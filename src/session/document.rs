@@ -12,7 +12,7 @@ use super::samples;
 use super::scene::{PatchScene, Scene};
 use super::text::{Problem, plural};
 use crate::geometry::{Geometry, GeometryError, UnitFrame, face_curvatures, polygon};
-use crate::mesh::{Mesh, MeshError, Soup, VertexId, obj};
+use crate::mesh::{Mesh, MeshError, Soup, VertexId, read};
 
 /// A surface that methods can work on, and the file that it came from.
 #[derive(Clone, Debug)]
@@ -74,21 +74,17 @@ impl Document {
 
     /// Reads a file.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, Refusal> {
-        let (soup, notices) = obj::read(bytes).map_err(|error| Problem::read(name, &error))?;
-        let notices = notices
+        let content = read::read(name, bytes).map_err(|error| Problem::read(name, &error))?;
+        let notices = content
+            .notices
             .iter()
             .map(|notice| NoticeText {
-                kind: match notice.kind {
-                    obj::ReadNoticeKind::IncompleteFace { .. } => "incomplete_face",
-                    obj::ReadNoticeKind::TextureOutOfRange { .. } => "texture_out_of_range",
-                    obj::ReadNoticeKind::TextureNotFinite => "texture_not_finite",
-                }
-                .to_owned(),
+                kind: notice.kind.to_owned(),
                 count: notice.count,
                 text: notice.to_string(),
             })
             .collect();
-        Self::from_soup(name, soup, notices)
+        Self::from_soup(name, content.soup, notices)
     }
 
     fn from_soup(name: &str, soup: Soup, mut notices: Vec<NoticeText>) -> Result<Self, Refusal> {
