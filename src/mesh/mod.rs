@@ -11,8 +11,10 @@ mod cut_mesh;
 mod halfedge;
 pub mod read;
 mod soup;
+mod weld;
 
 pub use chains::chains;
 pub use cut_mesh::{CutMesh, OpenedMesh, SurfacePoint};
 pub use halfedge::{EdgeId, FaceId, HalfedgeId, Mesh, MeshError, Topology, VertexId};
 pub use soup::Soup;
+pub use weld::{Welder, weld_exact};

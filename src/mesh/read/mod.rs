@@ -233,6 +233,12 @@ pub enum ReadFault {
         /// Number of vertices that the index could have named.
         vertices: usize,
     },
+    /// Something of STL alone.
+    #[error(transparent)]
+    Stl(#[from] stl::StlFault),
+    /// Something of glTF alone.
+    #[error(transparent)]
+    Gltf(#[from] gltf::GltfFault),
 }
 
 impl ReadFault {
@@ -284,6 +290,8 @@ impl ReadFault {
             Self::VertexOutOfRange { .. } => {
                 "Export the file again: vertices are missing, or the file was put together from several."
             }
+            Self::Stl(fault) => fault.advice(),
+            Self::Gltf(fault) => fault.advice(),
         }
     }
 
