@@ -12,9 +12,8 @@ use std::f64::consts::TAU;
 
 use cutflow::flatten::bff;
 use cutflow::geometry::Geometry;
-use cutflow::mesh::{
-    CutMesh, FaceId, HalfedgeId, Mesh, OpenedMesh, Soup, SurfacePoint, VertexId, obj,
-};
+use cutflow::mesh::read::{Content, obj};
+use cutflow::mesh::{CutMesh, FaceId, HalfedgeId, Mesh, OpenedMesh, Soup, SurfacePoint, VertexId};
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial};
 use cutflow::methods::cutgraph::cut_to_disks;
 use cutflow::pattern::{
@@ -559,7 +558,7 @@ fn the_uv_mesh_has_the_charts_at_one_scale_in_the_unit_square() {
             }
         }
         // Our own reader takes it, and finds corners on both sides of a cut apart in the plane only.
-        let (soup, notices) = obj::read(written.as_bytes()).unwrap();
+        let Content { soup, notices, .. } = obj::read(written.as_bytes()).unwrap();
         assert!(notices.is_empty());
         assert_eq!(soup.polygon_count(), example.cut.triangles.len());
         assert_eq!(soup.texture_corners.len(), 3 * soup.polygon_count());
@@ -731,7 +730,7 @@ fn a_ball_cut_in_two_gives_two_round_pieces_with_one_seam() {
     let surface =
         CutSurface { soup: &soup, soup_vertices: &[], face_polygons: &[], mm_per_unit: None, mesh: &mesh, cut: &cut, opened: &opened };
     let written = uv_obj(&surface, &charts, 1.0 / frame.scale);
-    let (read, _) = obj::read(&written).unwrap();
+    let read = obj::read(&written).unwrap().soup;
     assert_eq!(read.positions[..soup.positions.len()], soup.positions);
     let scale = String::from_utf8(written).unwrap();
     let scale: f64 =
