@@ -5,3 +5,4 @@
 pub mod cutflow;
 pub mod cutgraph;
 pub mod flow;
+pub mod prepare;
