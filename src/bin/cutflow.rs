@@ -239,12 +239,7 @@ fn tell_info(name: &str, info: &InfoReport, report: &Report) -> Result<(), Probl
     write_json(report, info)
 }
 
-fn repair(
-    mesh: &MeshArgs,
-    only: &[String],
-    output: &Path,
-    report: &Report,
-) -> Result<(), Problem> {
+fn repair(mesh: &MeshArgs, only: &[String], output: &Path, report: &Report) -> Result<(), Problem> {
     let document = open(&MeshArgs { mesh: mesh.mesh.clone(), repair: false })?;
     let mut session = Session::new();
     tell(session.open_with(Ok(document), Settings::for_sample(None)))?;

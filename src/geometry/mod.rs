@@ -9,6 +9,7 @@
 
 mod curvature;
 mod distance;
+pub mod doctor;
 mod intrinsic;
 mod laplacian;
 pub mod polygon;

@@ -29,8 +29,8 @@ impl Normals {
         }
         for (triangle, &face) in surface.cut.triangles.iter().zip(&surface.cut.triangle_faces) {
             let own = corner_normals(surface, face);
-            let numbers =
-                triangle.map(|point| result.at(surface, face, &own, surface.cut.points[point as usize]));
+            let numbers = triangle
+                .map(|point| result.at(surface, face, &own, surface.cut.points[point as usize]));
             result.corners.push(numbers);
         }
         result

@@ -143,7 +143,8 @@ pub fn uv_obj(surface: &CutSurface, charts: &[[f64; 2]], chart_unit: f64) -> Vec
             }
             if own_material.is_some() && material != own_material {
                 material = own_material;
-                out += &own_material.map_or(String::new(), |name| format!("usemtl {}\n", line(name)));
+                out +=
+                    &own_material.map_or(String::new(), |name| format!("usemtl {}\n", line(name)));
             }
             out.push('f');
             for (corner, v) in opened.mesh.triangles()[face].into_iter().enumerate() {

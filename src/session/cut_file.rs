@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use super::surface::Surface;
 use super::layout::Layout;
+use super::surface::Surface;
 use super::text::Problem;
 use crate::mesh::{CutMesh, VertexId};
 use crate::methods::cutflow::labelled_cut;
@@ -86,8 +86,8 @@ pub fn surface_layout(
     cut: Option<CutMesh>,
 ) -> Result<(Layout, Vec<u8>), Problem> {
     let cut = cut.unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
-    let layout = Layout::full(surface, cut, None)
-        .map_err(|error| Problem::solve(&surface.name, &error))?;
+    let layout =
+        Layout::full(surface, cut, None).map_err(|error| Problem::solve(&surface.name, &error))?;
     let bytes =
         pattern::uv_obj(&layout.surface(surface, None), &layout.charts, 1.0 / surface.frame.scale);
     Ok((layout, bytes))

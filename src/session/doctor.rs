@@ -91,37 +91,75 @@ fn sentence(finding: &Finding) -> String {
             format!("{} a vertex twice.", subject("face", "uses", "use"))
         }
         FindingKind::DegenerateFaces => {
-            let noun = if n == 1 { "1 degenerate face".into() } else { format!("{n} degenerate faces") };
+            let noun =
+                if n == 1 { "1 degenerate face".into() } else { format!("{n} degenerate faces") };
             format!("{noun}: without area, corners on one line or in one point.")
         }
         FindingKind::DuplicateFaces => {
-            let noun = if n == 1 { "1 duplicate face".into() } else { format!("{n} duplicate faces") };
+            let noun =
+                if n == 1 { "1 duplicate face".into() } else { format!("{n} duplicate faces") };
             format!("{noun}: the same corners as another face.")
         }
         FindingKind::NonManifoldEdges => {
-            let noun = if n == 1 { "1 non-manifold edge".into() } else { format!("{n} non-manifold edges") };
+            let noun = if n == 1 {
+                "1 non-manifold edge".into()
+            } else {
+                format!("{n} non-manifold edges")
+            };
             format!("{noun}: three or more faces meet there.")
         }
         FindingKind::NonManifoldVertices => {
-            let noun = if n == 1 { "1 non-manifold vertex".into() } else { format!("{n} non-manifold vertices") };
+            let noun = if n == 1 {
+                "1 non-manifold vertex".into()
+            } else {
+                format!("{n} non-manifold vertices")
+            };
             format!("{noun}: parts touch in that point only (a bow-tie).")
         }
         FindingKind::Orientation => {
-            format!("Faces look in opposite directions: {} between neighbours that disagree.", plural(n, "edge"))
+            format!(
+                "Faces look in opposite directions: {} between neighbours that disagree.",
+                plural(n, "edge")
+            )
         }
-        FindingKind::InsideOut => "The surface is inside out: all faces look inwards. It is turned around for cutting.".into(),
+        FindingKind::InsideOut => {
+            "The surface is inside out: all faces look inwards. It is turned around for cutting."
+                .into()
+        }
         FindingKind::NotOrientable => {
-            format!("Not orientable: {} one side only, like a Möbius strip.", subject("component", "has", "have"))
+            format!(
+                "Not orientable: {} one side only, like a Möbius strip.",
+                subject("component", "has", "have")
+            )
         }
         FindingKind::Isolated => {
-            format!("{} used by no face: ignored here, kept in exports.", subject("vertex", "is", "are"))
+            format!(
+                "{} used by no face: ignored here, kept in exports.",
+                subject("vertex", "is", "are")
+            )
         }
         FindingKind::Components => format!("{n} components that are not connected."),
         FindingKind::BoundaryLoops => {
             format!("{}: the surface is open there.", plural(n, "boundary loop"))
         }
         FindingKind::Slivers => format!("{} with very small angles (slivers).", plural(n, "face")),
-        FindingKind::FarFromOrigin => "The mesh lies far from the origin for its size; it is moved there for computing.".into(),
+        FindingKind::FarFromOrigin => {
+            "The mesh lies far from the origin for its size; it is moved there for computing."
+                .into()
+        }
         _ => String::new(),
     }
+}
+
+fn place(_finding: &Finding) -> String {
+    String::new()
+}
+fn can_show(_d: &Document, _f: &Finding) -> bool {
+    false
+}
+fn repair_choice(_r: Repair) -> RepairChoice {
+    RepairChoice { id: String::new(), label: String::new(), help: String::new() }
+}
+pub fn scene(_d: &Document, _shown: Option<&str>, revision: u32) -> Scene {
+    Scene { revision, ..Scene::default() }
 }

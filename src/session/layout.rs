@@ -110,11 +110,7 @@ impl Layout {
     }
 
     /// The cut surface as the writers of files take it. **Takes** the millimetres of one unit of the file, where they are known.
-    pub fn surface<'a>(
-        &'a self,
-        surface: &'a Surface,
-        mm_per_unit: Option<f64>,
-    ) -> CutSurface<'a> {
+    pub fn surface<'a>(&'a self, surface: &'a Surface, mm_per_unit: Option<f64>) -> CutSurface<'a> {
         CutSurface {
             soup: &surface.soup,
             soup_vertices: &surface.soup_vertices,

@@ -78,7 +78,10 @@ impl Session {
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
         // Whoever asks for something else does not want to wait for the end of a preparation.
-        let is_look = matches!(command, Command::Hello | Command::ShowField { .. } | Command::ShowFinding { .. });
+        let is_look = matches!(
+            command,
+            Command::Hello | Command::ShowField { .. } | Command::ShowFinding { .. }
+        );
         if !is_look {
             self.preparation = None;
         }
@@ -409,7 +412,12 @@ impl Session {
         self.apply(id, settings, effect, events)
     }
 
-    fn set_side(&mut self, axis: usize, value: f64, events: &mut Vec<Event>) -> Result<(), Problem> {
+    fn set_side(
+        &mut self,
+        axis: usize,
+        value: f64,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let mut settings = work.settings.clone();
         size::set_side(&work.document, &mut settings, axis, value)?;
@@ -534,7 +542,8 @@ impl Session {
     /// Marks a finding on the surface, or goes back to the pieces.
     fn show_finding(&mut self, id: Option<String>, events: &mut Vec<Event>) -> Result<(), Problem> {
         let Some(work) = &self.work else { return Err(nothing_open()) };
-        let known = |id: &String| work.document.diagnosis.findings.iter().any(|f| f.kind.id() == id);
+        let known =
+            |id: &String| work.document.diagnosis.findings.iter().any(|f| f.kind.id() == id);
         self.shown = id.filter(known);
         self.scene_is_new = true;
         events.extend(self.doctor_event());

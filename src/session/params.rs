@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
-use super::surface::Surface;
 use super::message::{Choice, Condition, ParamKind, ParamSpec, Value};
 use super::size::{RANGE_MM, UNITS};
+use super::surface::Surface;
 use super::text::Problem;
 use crate::methods::cutflow::{CutFlowParams, Initial, Weights};
 

@@ -7,10 +7,10 @@
 
 use nalgebra::Vector3;
 
-use super::surface::{Surface, face_to_vertex};
 use super::layout::{Layout, rim_halfedges};
 use super::message::Choice;
 use super::scene::{FieldScene, PatchScene, Scene};
+use super::surface::{Surface, face_to_vertex};
 use crate::mesh::{FaceId, SurfacePoint};
 
 /// Colours of the palette.

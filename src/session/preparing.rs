@@ -84,8 +84,9 @@ impl Preparation {
         document.surface()?;
         let number = values_of(document, id, values)?;
         let wrong = |error: SolveError| Problem::solve(&document.name, &error);
-        let surface = Surface::new(&document.soup, &document.triangles, &document.triangle_polygons)
-            .map_err(|error| wrong(error.into()))?;
+        let surface =
+            Surface::new(&document.soup, &document.triangles, &document.triangle_polygons)
+                .map_err(|error| wrong(error.into()))?;
         let feature_angle = number("crease").to_radians();
         let tool = match id {
             "remesh" => Tool::Remesh(
@@ -150,7 +151,9 @@ impl Preparation {
             Tool::Decimate(flow) => flow.state().clone(),
         };
         let note = match status {
-            Status::Stalled => Some("No further triangle can go without changing the shape's topology or folding it."),
+            Status::Stalled => Some(
+                "No further triangle can go without changing the shape's topology or folding it.",
+            ),
             Status::StepLimit => Some("Stopped at the largest number of faces."),
             _ => None,
         };
@@ -165,7 +168,8 @@ fn values_of(
     values: &BTreeMap<String, f64>,
 ) -> Result<impl Fn(&str) -> f64, Problem> {
     let specs = tools(document);
-    let params = specs.into_iter().find(|tool| tool.id == id).map_or(Vec::new(), |tool| tool.params);
+    let params =
+        specs.into_iter().find(|tool| tool.id == id).map_or(Vec::new(), |tool| tool.params);
     if let Some(unknown) = values.keys().find(|key| params.iter().all(|p| p.id != **key)) {
         let known = params.iter().map(|p| p.id.as_str()).collect::<Vec<_>>().join(", ");
         return Err(Problem::new(
@@ -201,21 +205,28 @@ pub fn tools(document: &Document) -> Vec<ToolSpec> {
     let Some(surface) = &document.surface else { return Vec::new() };
     let coarse = coarseness(&surface.mesh, &surface.geometry.positions);
     let faces = document.triangles.len();
-    let number = |id: &str, label: &str, unit: &str, range: [f64; 3], default: f64, help: &str| ToolParam {
-        id: id.into(),
-        label: label.into(),
-        unit: unit.into(),
-        help: help.into(),
-        min: range[0],
-        max: range[1],
-        step: range[2],
-        default,
-        logarithmic: false,
-        integer: false,
-    };
+    let number =
+        |id: &str, label: &str, unit: &str, range: [f64; 3], default: f64, help: &str| ToolParam {
+            id: id.into(),
+            label: label.into(),
+            unit: unit.into(),
+            help: help.into(),
+            min: range[0],
+            max: range[1],
+            step: range[2],
+            default,
+            logarithmic: false,
+            integer: false,
+        };
     let crease = || {
-        number("crease", "Creases from", "°", [5.0, 180.0, 1.0], 40.0,
-            "Edges whose faces turn by more than this are kept where they are.")
+        number(
+            "crease",
+            "Creases from",
+            "°",
+            [5.0, 180.0, 1.0],
+            40.0,
+            "Edges whose faces turn by more than this are kept where they are.",
+        )
     };
     TOOLS
         .iter()

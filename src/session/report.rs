@@ -148,7 +148,7 @@ impl InfoReport {
             genus: s.genus,
             euler: s.euler,
             area: s.area,
-            size: document.size,
+            size: document.size(),
             solvable: s.solvable,
             notices: s.notices.clone(),
         }

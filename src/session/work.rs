@@ -3,11 +3,11 @@
 use std::rc::Rc;
 
 use super::document::Document;
-use super::surface::Surface;
 use super::layout::Layout;
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
 use super::params::Settings;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
+use super::surface::Surface;
 use super::text::Problem;
 use super::{nothing_open, picture, size};
 use crate::mesh::CutMesh;
@@ -123,8 +123,8 @@ impl Work {
         let packing = self.layout.as_ref().map(|l| &l.packing);
         // The flow's factor belongs to the triangles that it solves on.
         if let Some(flow) = self.flow.as_mut().filter(|_| surface.solving.is_none()) {
-            let layout = Layout::preview(surface, flow.cut_mesh(), flow.factor(), packing)
-                .map_err(wrong)?;
+            let layout =
+                Layout::preview(surface, flow.cut_mesh(), flow.factor(), packing).map_err(wrong)?;
             if layout.is_complete() {
                 self.layout = Some(layout);
                 return Ok(());
@@ -344,9 +344,8 @@ pub(super) fn start_flow(
     let surface = document.surface()?;
     let initial = settings.initial(surface)?;
     let (mesh, geometry) = surface.solving();
-    let mut flow =
-        CutFlow::new(mesh.clone(), geometry.clone(), &initial, settings.flow_params())
-            .map_err(wrong)?;
+    let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &initial, settings.flow_params())
+        .map_err(wrong)?;
     if let Some(checkpoint) = checkpoint {
         flow.restore(checkpoint).map_err(wrong)?;
     }

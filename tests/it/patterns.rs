@@ -45,8 +45,15 @@ impl Example {
 
     fn refined(soup: Soup, mesh: Mesh, cut: CutMesh) -> Self {
         let opened = cut.open().unwrap();
-        let surface =
-            CutSurface { soup: &soup, soup_vertices: &[], face_polygons: &[], mm_per_unit: None, mesh: &mesh, cut: &cut, opened: &opened };
+        let surface = CutSurface {
+            soup: &soup,
+            soup_vertices: &[],
+            face_polygons: &[],
+            mm_per_unit: None,
+            mesh: &mesh,
+            cut: &cut,
+            opened: &opened,
+        };
         let positions: Vec<Point3<f64>> =
             cut.points.iter().map(|&p| Point3::from(surface.place(p))).collect();
         let charts = unfold(&opened, &positions).into_iter().map(Into::into).collect();
@@ -55,7 +62,15 @@ impl Example {
 
     fn surface(&self) -> CutSurface<'_> {
         let Self { soup, mesh, cut, opened, .. } = self;
-        CutSurface { soup, soup_vertices: &[], face_polygons: &[], mm_per_unit: None, mesh, cut, opened }
+        CutSurface {
+            soup,
+            soup_vertices: &[],
+            face_polygons: &[],
+            mm_per_unit: None,
+            mesh,
+            cut,
+            opened,
+        }
     }
 
     fn pattern(&self, mm_per_unit: f64) -> (Pattern, Vec<Notice>) {
@@ -727,8 +742,15 @@ fn a_ball_cut_in_two_gives_two_round_pieces_with_one_seam() {
         assert!((piece.area_mm2 / disk - 1.0).abs() < 0.06, "{}", piece.area_mm2);
         assert!((piece.room_mm - 50.0).abs() < 2.0, "{}", piece.room_mm);
     }
-    let surface =
-        CutSurface { soup: &soup, soup_vertices: &[], face_polygons: &[], mm_per_unit: None, mesh: &mesh, cut: &cut, opened: &opened };
+    let surface = CutSurface {
+        soup: &soup,
+        soup_vertices: &[],
+        face_polygons: &[],
+        mm_per_unit: None,
+        mesh: &mesh,
+        cut: &cut,
+        opened: &opened,
+    };
     let written = uv_obj(&surface, &charts, 1.0 / frame.scale);
     let read = obj::read(&written).unwrap().soup;
     assert_eq!(read.positions[..soup.positions.len()], soup.positions);

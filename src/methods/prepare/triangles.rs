@@ -215,7 +215,8 @@ impl Triangles {
         at.as_slice().iter().all(|&f| {
             let c = self.third(f, gone, kept);
             let marks = self.marks[f as usize];
-            let both = [self.side(f, gone, c), self.side(f, kept, c)].iter().all(|&s| marks[s] != NONE);
+            let both =
+                [self.side(f, gone, c), self.side(f, kept, c)].iter().all(|&s| marks[s] != NONE);
             self.neighbours(c, other);
             let degree = self.fans[c as usize].len();
             // On a rim there is one neighbour more than faces; there two faces suffice, else four.
@@ -261,7 +262,8 @@ impl Triangles {
         let faces = self.edge_faces(a, b);
         let &[f, g] = faces.as_slice() else { return false };
         // f has the edge from a to b.
-        let (f, g) = if self.faces[f as usize][(self.corner(f, a) + 1) % 3] == b { (f, g) } else { (g, f) };
+        let (f, g) =
+            if self.faces[f as usize][(self.corner(f, a) + 1) % 3] == b { (f, g) } else { (g, f) };
         let (c, d) = (self.third(f, a, b), self.third(g, a, b));
         if self.marks[f as usize][self.side(f, a, b)] != NONE || self.edge_faces(c, d).count > 0 {
             return false;
@@ -286,8 +288,9 @@ impl Triangles {
         face_source: impl Fn(u32) -> u32,
         uvs: impl Fn(u32) -> [Uv; 3],
     ) -> Result<Prepared, MeshError> {
-        let used: Vec<u32> =
-            (0..self.positions.len() as u32).filter(|&v| !self.fans[v as usize].is_empty()).collect();
+        let used: Vec<u32> = (0..self.positions.len() as u32)
+            .filter(|&v| !self.fans[v as usize].is_empty())
+            .collect();
         let (mut order, new): (Vec<u32>, Vec<u32>) =
             used.into_iter().partition(|&v| self.is_old[v as usize]);
         let old = order.len();
@@ -296,8 +299,7 @@ impl Triangles {
         for (number, &v) in order.iter().enumerate() {
             numbers[v as usize] = number as u32;
         }
-        let faces: Vec<u32> =
-            (0..self.faces.len() as u32).filter(|&f| self.is_alive(f)).collect();
+        let faces: Vec<u32> = (0..self.faces.len() as u32).filter(|&f| self.is_alive(f)).collect();
         let triangles: Vec<[u32; 3]> =
             faces.iter().map(|&f| self.faces[f as usize].map(|v| numbers[v as usize])).collect();
         let mesh = Mesh::new(order.len(), &triangles)?;
