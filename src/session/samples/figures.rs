@@ -1,5 +1,5 @@
-//! Samples cut from smooth bodies: a double torus, a hood, an armchair, a plush bear. A half is made and mirrored, so
-//! that they are symmetric to the last bit.
+//! Samples cut from smooth bodies: a double torus, a hood, an armchair, a plush bear. A half (of the torus an
+//! eighth) is made and mirrored, so that they are symmetric to the last bit.
 
 use nalgebra::Vector3;
 

@@ -220,15 +220,17 @@ impl Patch {
 
     /// Whether a flip brings valences closer to 6, or 4 at the boundary.
     fn valences_gain(&self, edge: [u32; 2], apexes: [u32; 2]) -> bool {
-        // At the boundary there are three triangles for four edges.
-        let excess = |v: u32| {
+        let off = |v: u32, gained: usize, lost: usize| {
+            // At the boundary there are three triangles for four edges.
             let full = if self.walls[v as usize] == 0 { 6 } else { 3 };
-            self.around[v as usize].len() as i32 - full
+            (self.around[v as usize].len() + gained).abs_diff(full + lost).pow(2)
         };
-        let change = |v: u32, by: i32| (excess(v) + by).pow(2) - excess(v).pow(2);
-        edge.map(|v| change(v, -1)).iter().sum::<i32>()
-            + apexes.map(|v| change(v, 1)).iter().sum::<i32>()
-            < 0
+        let sum = |gained: usize, lost: usize| {
+            let [at_edge, across] =
+                [edge.map(|v| off(v, 0, lost)), apexes.map(|v| off(v, gained, 0))];
+            at_edge.iter().chain(&across).sum::<usize>()
+        };
+        sum(1, 1) < sum(0, 0)
     }
 
     /// Whether the angles across an edge add up to more than π: their cotangents to less than 0. The small margin

@@ -161,17 +161,22 @@ fn each_sample_is_one_manifold_without_a_repeated_vertex() {
         let triangles = Vec::from_iter(soup.corners.chunks(3).map(|c| [c[0], c[1], c[2]]));
         let mesh = Mesh::new(soup.positions.len(), &triangles).unwrap();
         assert_eq!(mesh.topology().components, 1, "{}", sample.name);
-        // Closer than a hundredth of an edge counts as repeated.
-        let places = soup.positions.iter().map(|p| p.map(|x| (x * 4e3).round() as i64));
-        assert_eq!(BTreeSet::from_iter(places).len(), soup.positions.len(), "{}", sample.name);
+        assert_eq!(places(&soup).len(), soup.positions.len(), "{}", sample.name);
     }
+}
+
+/// Bits of a place. Adding zero makes zeros equal.
+fn bits(p: [f64; 3]) -> [u64; 3] {
+    p.map(|x| (x + 0.0).to_bits())
+}
+
+fn places(soup: &Soup) -> BTreeSet<[u64; 3]> {
+    soup.positions.iter().copied().map(bits).collect()
 }
 
 /// Whether a symmetry takes the vertices of a sample to themselves, to the last bit.
 fn is_symmetric(soup: &Soup, symmetry: impl Fn([f64; 3]) -> [f64; 3]) -> bool {
-    // Adding zero makes zeros equal.
-    let bits = |p: [f64; 3]| p.map(|x| (x + 0.0).to_bits());
-    let places: BTreeSet<_> = soup.positions.iter().map(|&p| bits(p)).collect();
+    let places = places(soup);
     soup.positions.iter().all(|&p| places.contains(&bits(symmetry(p))))
 }
 
