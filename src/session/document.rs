@@ -8,9 +8,10 @@ use super::message::{MeshSummary, NoticeText};
 use super::samples;
 use super::surface::Surface;
 use super::text::{Problem, capital, plural};
-use crate::geometry::doctor::{Diagnosis, diagnose};
+use crate::geometry::doctor::{self, Examination};
 use crate::geometry::polygon;
 use crate::mesh::Soup;
+use crate::mesh::doctor::{FindingKind, Repair};
 use crate::mesh::read::{self, ReadNotice};
 
 /// A mesh as it was opened, repaired or prepared.
@@ -29,7 +30,7 @@ pub struct Document {
     /// For each triangle its polygon.
     pub triangle_polygons: Vec<u32>,
     /// What the doctor found.
-    pub diagnosis: Diagnosis,
+    pub examination: Examination,
     /// What methods work on; none while something that blocks is not repaired.
     pub surface: Option<Surface>,
     /// Corners of the bounding box of the used vertices, in units of the file.
@@ -79,13 +80,14 @@ impl Document {
         reading: Vec<NoticeText>,
     ) -> Result<Self, Problem> {
         let bounds = used_bounds(&soup);
-        let diagnosis = diagnose(&soup);
+        let examination = doctor::examine(&soup);
         let (mut triangles, triangle_polygons, polygons) = triangulate(&soup);
         let soup = Rc::new(soup);
         let mut surface = None;
-        if diagnosis.is_solvable() {
+        let has = |kind| examination.findings.iter().any(|f| f.kind == kind);
+        if examination.is_solvable() {
             // A closed surface that is inside out is solved the right way round; the file stays as it is.
-            if diagnosis.is_inside_out() {
+            if has(FindingKind::InsideOut) {
                 triangles.iter_mut().for_each(|t| t.swap(1, 2));
             }
             let own = triangles.clone();
@@ -99,19 +101,19 @@ impl Document {
                 text: format!("{} were divided into triangles.", plural(polygons, "polygon")),
             });
         }
-        notices.extend(super::doctor::notices(&diagnosis));
+        notices.extend(super::doctor::notices(&examination));
         let summary = MeshSummary {
             name: name.to_owned(),
             format: format.to_owned(),
             vertices: soup.positions.len(),
             faces: soup.polygon_count(),
             triangles: triangles.len(),
-            components: diagnosis.components,
-            boundary_loops: diagnosis.boundary_loops,
-            genus: diagnosis.genus,
-            euler: diagnosis.euler,
-            area: diagnosis.area,
-            isolated_vertices: diagnosis.isolated_vertices(),
+            components: examination.components,
+            boundary_loops: examination.boundary_loops,
+            genus: examination.genus,
+            euler: examination.euler,
+            area: examination.area,
+            isolated_vertices: examination.isolated_vertices(),
             solvable: surface.is_some(),
             notices,
         };
@@ -122,7 +124,7 @@ impl Document {
             soup,
             triangles,
             triangle_polygons,
-            diagnosis,
+            examination,
             surface,
             bounds,
             reading,
@@ -132,17 +134,33 @@ impl Document {
 
     /// The same document after all repairs that stand in the way of methods.
     pub fn repaired(&self) -> Result<Self, Problem> {
-        self.with_soup((*self.soup).clone())
+        self.with_soup(doctor::repair_all(&self.soup).0)
     }
 
     /// The same document after one repair, and what Undo calls it.
-    pub fn repaired_by(&self, _id: &str) -> Result<(Self, String), Problem> {
-        Ok((self.with_soup((*self.soup).clone())?, String::new()))
+    pub fn repaired_by(&self, id: &str) -> Result<(Self, String), Problem> {
+        let Some(repair) = Repair::from_id(id) else {
+            return Err(Problem::new(
+                format!("There is no repair called “{id}”."),
+                "In the choice of a repair.",
+                "Choose one that a finding offers.",
+            ));
+        };
+        let name = super::doctor::repair_name(&repair);
+        let (soup, changes) = doctor::repair(&self.soup, &repair);
+        if changes == 0 {
+            return Err(Problem::new(
+                format!("There is nothing to repair: “{name}” would change nothing."),
+                format!("{}.", self.name),
+                "Choose another repair.",
+            ));
+        }
+        Ok((self.with_soup(soup)?, name))
     }
 
     /// What methods work on, or why they cannot.
     pub fn surface(&self) -> Result<&Surface, Problem> {
-        self.surface.as_ref().ok_or_else(|| super::doctor::blocked(&self.name, &self.diagnosis))
+        self.surface.as_ref().ok_or_else(|| super::doctor::blocked(&self.name, &self.examination))
     }
 
     /// Sides of the bounding box, in units of the file.

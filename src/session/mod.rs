@@ -50,6 +50,9 @@ pub use text::Problem;
 /// Changes that Undo can take back.
 const UNDO_DEPTH: usize = 40;
 
+/// Triangles beyond which a mesh is shown before its first cut is made.
+const SHOWN_FIRST: usize = 50_000;
+
 /// Documents that Undo can go back to, the open one included.
 const UNDO_DOCUMENTS: usize = 3;
 
@@ -84,6 +87,7 @@ impl Session {
         );
         if !is_look {
             self.preparation = None;
+            self.make_first_cut(&mut events);
         }
         let result = match command {
             Command::Hello => {
@@ -140,9 +144,13 @@ impl Session {
     pub fn advance(&mut self, go_on: &mut dyn FnMut() -> bool) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
         while self.is_running() {
-            let stepped = match self.preparation {
-                Some(_) => self.prepare_on(&mut events),
-                None => self.one_step(&mut events),
+            let stepped = if self.first_cut_is_due() {
+                self.make_first_cut(&mut events);
+                Ok(())
+            } else if self.preparation.is_some() {
+                self.prepare_on(&mut events)
+            } else {
+                self.one_step(&mut events)
             };
             if let Err(problem) = stepped {
                 self.is_running = false;
@@ -157,6 +165,7 @@ impl Session {
         if let Some(work) = &mut self.work
             && !self.is_running
             && self.preparation.is_none()
+            && !work.first_cut_is_due
             && !work.is_settled
         {
             self.settle(&mut events);
@@ -168,7 +177,25 @@ impl Session {
 
     /// Whether [`Session::advance`] has anything to do.
     pub fn is_running(&self) -> bool {
-        self.is_running || self.preparation.is_some()
+        self.is_running || self.preparation.is_some() || self.first_cut_is_due()
+    }
+
+    fn first_cut_is_due(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| work.first_cut_is_due)
+    }
+
+    /// Makes the initial cut of a mesh that has only been shown so far.
+    fn make_first_cut(&mut self, events: &mut Vec<Event>) {
+        let Some(work) = self.work.as_mut().filter(|work| work.first_cut_is_due) else { return };
+        work.first_cut_is_due = false;
+        match start_flow(&work.document, &work.settings, None) {
+            Ok(flow) => work.begin(flow),
+            Err(problem) => events.push(error_event(problem)),
+        }
+        self.push_energy(events);
+        self.settle(events);
+        events.push(self.status());
+        events.push(Event::Scene);
     }
 
     /// The newest picture, if there is one that was not taken yet. Made here, when somebody wants to see it.
@@ -177,7 +204,7 @@ impl Session {
             return None;
         }
         let work = self.work.as_mut()?;
-        if work.document.surface.is_none() || self.shown.is_some() {
+        if work.document.surface.is_none() || work.first_cut_is_due || self.shown.is_some() {
             let scene = doctor::scene(&work.document, self.shown.as_deref(), work.revision);
             work.revision += 1;
             return Some(scene);
@@ -204,6 +231,9 @@ impl Session {
 
     /// The bytes of an export, by the name of its menu item.
     pub fn export(&mut self, kind: &str) -> Result<File, Problem> {
+        let mut events = Vec::new();
+        self.make_first_cut(&mut events);
+        self.late.extend(events);
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         if !work.is_settled && work.document.surface.is_some() {
             work.settle()?;
@@ -223,6 +253,9 @@ impl Session {
 
     /// The report of `cutflow cut`. **Takes** the time that the driver measured.
     pub fn cut_report(&mut self, seconds: Option<f64>) -> Result<CutReport, Problem> {
+        let mut events = Vec::new();
+        self.make_first_cut(&mut events);
+        self.late.extend(events);
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         if !work.is_settled {
             work.settle()?;
@@ -232,6 +265,9 @@ impl Session {
 
     /// The layout at rest, of the current cut.
     pub fn layout(&mut self) -> Result<&Layout, Problem> {
+        let mut events = Vec::new();
+        self.make_first_cut(&mut events);
+        self.late.extend(events);
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         if !work.is_settled {
             work.settle()?;
@@ -297,8 +333,9 @@ impl Session {
         label: &str,
         events: &mut Vec<Event>,
     ) {
-        let flow = match start_flow(&document, &settings, None) {
-            Ok(flow) => Some(flow),
+        let is_large = document.surface.is_some() && document.triangles.len() > SHOWN_FIRST;
+        let flow = match (!is_large).then(|| start_flow(&document, &settings, None)).transpose() {
+            Ok(flow) => flow,
             Err(_) if document.surface.is_none() => None,
             Err(problem) => {
                 document.summary.notices.push(NoticeText {
@@ -310,7 +347,9 @@ impl Session {
             }
         };
         self.remember(label, label);
-        self.install(Work::new(Rc::new(document), settings, flow), events);
+        let mut work = Work::new(Rc::new(document), settings, flow);
+        work.first_cut_is_due = is_large;
+        self.install(work, events);
     }
 
     /// Makes a document, its parameters and a place in its run the current ones.
@@ -390,6 +429,7 @@ impl Session {
         let mut work = Work::new(target.document, target.settings, flow);
         work.history = target.history;
         work.start = target.start;
+        work.first_cut_is_due = target.first_cut_is_due;
         self.install(work, events);
         Ok(())
     }
@@ -543,7 +583,7 @@ impl Session {
     fn show_finding(&mut self, id: Option<String>, events: &mut Vec<Event>) -> Result<(), Problem> {
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let known =
-            |id: &String| work.document.diagnosis.findings.iter().any(|f| f.kind.id() == id);
+            |id: &String| work.document.examination.findings.iter().any(|f| f.kind.id() == id);
         self.shown = id.filter(known);
         self.scene_is_new = true;
         events.extend(self.doctor_event());
@@ -671,7 +711,7 @@ impl Session {
     /// Flattens the current cut whole.
     fn settle(&mut self, events: &mut Vec<Event>) {
         let Some(work) = &mut self.work else { return };
-        if work.document.surface.is_none() {
+        if work.document.surface.is_none() || work.first_cut_is_due {
             // Nothing is flat yet; the doctor's picture is what there is to see.
             events.push(work.measures());
             self.scene_is_new = true;
@@ -730,6 +770,8 @@ impl Session {
         let limit = work.settings.number("steps");
         let (state, text) = if let Some(preparation) = &self.preparation {
             ("preparing", preparation.status())
+        } else if work.first_cut_is_due {
+            ("preparing", format!("Loading {}: making the first cut", work.document.name))
         } else if work.document.surface.is_none() {
             ("ready", "Ready: the mesh needs repair before it can be cut".to_owned())
         } else if self.is_running {

@@ -24,6 +24,8 @@ pub(super) struct Work {
     pub layout: Option<Layout>,
     /// The layout at rest is of the current cut.
     pub is_settled: bool,
+    /// Shown, but not cut yet.
+    pub first_cut_is_due: bool,
     pub start: Option<Vec<Row>>,
     pub revision: u32,
 }
@@ -37,6 +39,7 @@ pub(super) struct Snapshot {
     pub document: Rc<Document>,
     pub settings: Settings,
     pub checkpoint: Option<Checkpoint>,
+    pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
     pub start: Option<Vec<Row>>,
 }
@@ -88,6 +91,7 @@ impl Work {
             document: self.document.clone(),
             settings: self.settings.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
+            first_cut_is_due: self.first_cut_is_due,
             history: self.history.clone(),
             start: self.start.clone(),
         }
@@ -103,6 +107,7 @@ impl Work {
             history,
             layout: None,
             is_settled: false,
+            first_cut_is_due: false,
             start: None,
             revision: 0,
         }
