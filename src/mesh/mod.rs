@@ -9,7 +9,6 @@
 mod chains;
 mod cut_mesh;
 mod halfedge;
-pub mod obj;
 pub mod read;
 mod soup;
 mod weld;

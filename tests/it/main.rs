@@ -13,6 +13,7 @@ mod cutting;
 mod flattening;
 mod golden;
 mod measuring;
+mod mutation;
 mod patterns;
 mod reading;
 mod scripts;
