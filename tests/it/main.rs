@@ -16,6 +16,7 @@ mod measuring;
 mod mutation;
 mod patterns;
 mod reading;
+mod reading_solids;
 mod scripts;
 mod surfaces;
 mod tidy;

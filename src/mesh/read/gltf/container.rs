@@ -83,18 +83,14 @@ pub(super) fn parse(parts: &Parts) -> Result<Root, ReadError> {
     let root = Root::from_slice(parts.json).map_err(|error| {
         // glTF 1 has other types in the same places; its version must be told, not the first of them.
         let value = deserialize::from_slice::<Value>(parts.json).unwrap_or_default();
-        match value.get("asset") {
-            _ if !value.is_object() => {}
-            Some(asset) => {
-                let version = asset.get("version").and_then(Value::as_str);
-                let is_first = value.get("nodes").is_some_and(Value::is_object);
-                if let Some(version) = version.or(is_first.then_some("1")) {
-                    if !version.starts_with('2') {
-                        return version_fault(version);
-                    }
-                }
+        if value.is_object() {
+            let Some(asset) = value.get("asset") else { return GltfFault::NotGltf.anywhere() };
+            let version = asset.get("version").and_then(Value::as_str);
+            let is_first = value.get("nodes").is_some_and(Value::is_object);
+            let version = version.or(is_first.then_some("1"));
+            if let Some(version) = version.filter(|v| !is_second(v)) {
+                return version_fault(version);
             }
-            None => return GltfFault::NotGltf.anywhere(),
         }
         let text = name(error.to_string().as_bytes());
         GltfFault::Json { part: if parts.is_chunk { "JSON chunk" } else { "JSON" }, text }
@@ -136,11 +132,11 @@ pub(super) fn unsupported(extension: &str) -> ReadError {
     ReadFault::Unsupported { feature: quote(extension.as_bytes()) }.anywhere()
 }
 
-/// The bytes of all buffers, decoded when they are first asked for.
+/// The bytes of all buffers, decoded when they are first asked for, and once only even where that fails.
 pub(super) struct Buffers<'a> {
     root: &'a Root,
     binary: Option<&'a [u8]>,
-    bytes: Vec<OnceCell<Cow<'a, [u8]>>>,
+    bytes: Vec<OnceCell<Result<Cow<'a, [u8]>, ReadError>>>,
     /// Sparse elements that may still be read.
     budget: Cell<u64>,
 }
@@ -174,13 +170,8 @@ impl<'a> Buffers<'a> {
         if let (false, Some(compression)) = (is_stored, compression(view.extensions.as_ref())) {
             return Err(unsupported(compression));
         }
-        let bytes = match self.bytes[buffer_index].get() {
-            Some(bytes) => bytes,
-            None => {
-                let bytes = self.load(buffer_index, buffer)?;
-                self.bytes[buffer_index].get_or_init(|| bytes)
-            }
-        };
+        let bytes = self.bytes[buffer_index].get_or_init(|| self.load(buffer_index, buffer));
+        let bytes = bytes.as_ref().map_err(Clone::clone)?;
         let offset = view.byte_offset.map_or(0, |o| o.0);
         let length = view.byte_length.0;
         let range = usize::try_from(offset).ok().zip(offset.checked_add(length));

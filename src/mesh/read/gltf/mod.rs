@@ -238,7 +238,9 @@ enum GltfNote {
     Morphs,
     Animations,
     Instancing,
+    TextureUnreadable,
     TextureNotFinite,
+    NormalsUnreadable,
     NormalNotFinite,
     TrailingBytes,
 }
@@ -288,6 +290,14 @@ impl Notes {
                 GltfNote::Instancing => {
                     ("instancing", format!("{n} node{s} with EXT_mesh_gpu_instancing drawn once"))
                 }
+                GltfNote::TextureUnreadable => (
+                    "texture_unreadable",
+                    format!("texture coordinates of {n} primitive{s} unreadable, ignored"),
+                ),
+                GltfNote::NormalsUnreadable => (
+                    "normals_unreadable",
+                    format!("normals of {n} primitive{s} unreadable, ignored"),
+                ),
                 GltfNote::TextureNotFinite => (
                     "texture_not_finite",
                     format!("{n} texture coordinate{s} not a number, ignored"),
@@ -429,6 +439,13 @@ impl<'a> Scene<'a> {
         }
         let first_normal = to_u32(self.soup.normals.len());
         let is_normal = self.add_normals(draw, mesh);
+        let (corners, faces) = (mesh.corners.len(), mesh.corners.len() / 3);
+        self.soup.corners.reserve(corners);
+        self.soup.texture_corners.reserve(if self.has_texture { corners } else { 0 });
+        self.soup.normal_corners.reserve(if self.has_normals { corners } else { 0 });
+        self.soup.starts.reserve(faces);
+        self.soup.polygon_groups.reserve(faces);
+        self.soup.polygon_materials.reserve(faces);
         let mut primitives = mesh.materials.iter();
         let (mut end, mut material) = (0, NONE);
         for (face, corners) in mesh.corners.chunks_exact(3).enumerate() {
