@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cutflow::session::{
-    Command, Document, Event, FlattenReport, InfoReport, Layout, Problem, Refusal, Session,
-    Settings, Value, cut_from_json, document_layout,
+    Command, Document, Event, FlattenReport, InfoReport, Layout, Problem, Session, Settings, Value,
+    cut_from_json, surface_layout,
 };
 
 /// Prints a line. A reader that has gone away is no error: `cutflow info mesh.obj | head -1` is a good question.
@@ -30,11 +30,26 @@ struct Cli {
 enum Task {
     /// Says what a mesh is and what is wrong with it.
     Info {
-        /// The mesh (OBJ), or `sample:NAME` for a generated one.
-        mesh: String,
+        #[command(flatten)]
+        mesh: MeshArgs,
         #[command(flatten)]
         report: Report,
     },
+    /// Repairs a mesh and writes it as OBJ.
+    Repair {
+        #[command(flatten)]
+        mesh: MeshArgs,
+        /// Only these repairs, in this order, by their identifiers as `info --json` lists them.
+        #[arg(long, value_name = "ID", value_delimiter = ',')]
+        only: Vec<String>,
+        /// Where to write the repaired mesh.
+        #[arg(short, long, value_name = "OUT.obj")]
+        output: PathBuf,
+        #[command(flatten)]
+        report: Report,
+    },
+    /// Divides a surface into other triangles and writes it as OBJ.
+    Prepare(PrepareArgs),
     /// Moves a cut to lower the distortion of its pieces.
     Cut(CutArgs),
     /// Flattens a mesh along a cut and measures the result.
@@ -46,6 +61,33 @@ struct Report {
     /// Writes the report to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+}
+
+/// What to work on.
+#[derive(Args)]
+struct MeshArgs {
+    /// The mesh (OBJ, PLY, STL, OFF, GLB or glTF), or `sample:NAME` for a generated one.
+    mesh: String,
+    /// Lets the mesh doctor repair what stands in the way first.
+    #[arg(long)]
+    repair: bool,
+}
+
+#[derive(Args)]
+struct PrepareArgs {
+    #[command(flatten)]
+    mesh: MeshArgs,
+    /// What to do: `subdivide`, `refine`, `remesh` or `decimate`.
+    #[arg(long)]
+    tool: String,
+    /// Parameters of the tool as NAME=NUMBER.
+    #[arg(long = "set", value_name = "NAME=NUMBER", value_delimiter = ',')]
+    values: Vec<String>,
+    /// Where to write the new mesh.
+    #[arg(short, long, value_name = "OUT.obj")]
+    output: PathBuf,
+    #[command(flatten)]
+    report: Report,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -68,8 +110,8 @@ enum EnergyKind {
 
 #[derive(Args)]
 struct CutArgs {
-    /// The mesh (OBJ), or `sample:NAME` for a generated one.
-    mesh: String,
+    #[command(flatten)]
+    mesh: MeshArgs,
     /// The initial cut.
     #[arg(long, value_enum, default_value = "normals")]
     init: Init,
@@ -116,8 +158,11 @@ struct CutArgs {
     #[arg(long)]
     seed: Option<f64>,
     /// Longest side of the model in the pattern.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", conflicts_with = "unit")]
     size_mm: Option<f64>,
+    /// What one unit of the file is: mm, cm, m or in.
+    #[arg(long)]
+    unit: Option<String>,
     /// Folder for cut.json, uv.obj, cut.obj and pattern.svg.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -133,8 +178,8 @@ enum Method {
 
 #[derive(Args)]
 struct FlattenArgs {
-    /// The mesh (OBJ), or `sample:NAME` for a generated one.
-    mesh: String,
+    #[command(flatten)]
+    mesh: MeshArgs,
     /// A cut.json that `cutflow cut` wrote. Without it only cuts to disks are made.
     #[arg(long, value_name = "FILE")]
     cut: Option<PathBuf>,
@@ -151,6 +196,8 @@ struct FlattenArgs {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Task::Info { mesh, report } => info(&mesh, &report),
+        Task::Repair { mesh, only, output, report } => repair(&mesh, &only, &output, &report),
+        Task::Prepare(args) => prepare(&args),
         Task::Cut(args) => cut(&args),
         Task::Flatten(args) => flatten(&args),
     };
@@ -164,24 +211,86 @@ fn main() -> ExitCode {
     }
 }
 
-fn info(mesh: &str, report: &Report) -> Result<(), Problem> {
-    let info = InfoReport::new(&open(mesh).map_err(|refusal| refusal.problem)?);
+fn info(mesh: &MeshArgs, report: &Report) -> Result<(), Problem> {
+    tell_info(&mesh.mesh, &InfoReport::new(&open(mesh)?), report)
+}
+
+fn tell_info(name: &str, info: &InfoReport, report: &Report) -> Result<(), Problem> {
     if !writes_to_stdout(report) {
         let shape = match info.boundary_loops {
             0 => "closed".to_owned(),
             1 => "1 boundary loop".to_owned(),
             n => format!("{n} boundary loops"),
         };
-        say!("{mesh}");
+        say!("{name}");
         say!("  {} vertices, {} faces", info.vertices, info.faces);
         let components = if info.components == 1 { "component" } else { "components" };
-        say!("  {} {components}, {shape}, genus {}", info.components, info.genus);
-        say!("  area {:.6} (unit of the file, squared)", info.area);
+        let genus = info.genus.map_or("no genus".to_owned(), |genus| format!("genus {genus}"));
+        say!("  {} {components}, {shape}, {genus}", info.components);
+        let [x, y, z] = info.size;
+        say!("  size {x:.6} × {y:.6} × {z:.6}, area {:.6} (unit of the file)", info.area);
         for notice in &info.notices {
             say!("  note: {}", notice.text);
         }
+        if !info.solvable {
+            say!("  not ready to be cut: add --repair");
+        }
     }
-    write_json(report, &info)
+    write_json(report, info)
+}
+
+fn repair(
+    mesh: &MeshArgs,
+    only: &[String],
+    output: &Path,
+    report: &Report,
+) -> Result<(), Problem> {
+    let document = open(&MeshArgs { mesh: mesh.mesh.clone(), repair: false })?;
+    let mut session = Session::new();
+    tell(session.open_with(Ok(document), Settings::for_sample(None)))?;
+    if only.is_empty() {
+        tell(session.handle(Command::RepairAll))?;
+    }
+    for id in only {
+        tell(session.handle(Command::Repair { id: id.clone() }))?;
+    }
+    finish(&mut session, &mesh.mesh, output, report)
+}
+
+fn prepare(args: &PrepareArgs) -> Result<(), Problem> {
+    let mut values = std::collections::BTreeMap::new();
+    for text in &args.values {
+        let parts = text.split_once('=').and_then(|(id, x)| Some((id, x.parse::<f64>().ok()?)));
+        let Some((id, value)) = parts else {
+            return Err(Problem::new(
+                format!("{text} sets nothing."),
+                "--set.",
+                "Write a name, an equals sign and a number, such as length=0.02.",
+            ));
+        };
+        values.insert(id.to_owned(), value);
+    }
+    let mut session = Session::new();
+    tell(session.open_with(open(&args.mesh), Settings::for_sample(None)))?;
+    tell(session.handle(Command::Prepare { tool: args.tool.clone(), values }))?;
+    while session.is_running() {
+        tell(session.advance(&mut || true))?;
+    }
+    finish(&mut session, &args.mesh.mesh, &args.output, &args.report)
+}
+
+/// Writes the mesh that a session holds, and says what it is.
+fn finish(
+    session: &mut Session,
+    name: &str,
+    output: &Path,
+    report: &Report,
+) -> Result<(), Problem> {
+    write(output, &session.export("Mesh (OBJ)")?.bytes)?;
+    match session.info_report() {
+        Some(info) => tell_info(name, &info, report),
+        None => Ok(()),
+    }
 }
 
 /// The parameters that the options ask for.
@@ -226,7 +335,12 @@ fn settings(args: &CutArgs) -> Result<Settings, Problem> {
 
 fn cut(args: &CutArgs) -> Result<(), Problem> {
     let mut session = Session::new();
-    tell(session.open_with(open(&args.mesh), settings(args)?))?;
+    let document = open(&args.mesh)?;
+    document.surface()?;
+    tell(session.open_with(Ok(document), settings(args)?))?;
+    if let Some(unit) = &args.unit {
+        tell(session.handle(Command::SetUnit { id: unit.clone() }))?;
+    }
     if let Some(folder) = &args.output {
         make_folder(folder)?;
     }
@@ -279,7 +393,8 @@ fn cut(args: &CutArgs) -> Result<(), Problem> {
 }
 
 fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
-    let document = open(&args.mesh).map_err(|refusal| refusal.problem)?;
+    let document = open(&args.mesh)?;
+    let surface = document.surface()?;
     let Method::Bff = args.method;
     if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
         return Err(Problem::new(
@@ -290,10 +405,10 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
     }
     let cut = match &args.cut {
         None => None,
-        Some(path) => Some(cut_from_json(&document, &path.display().to_string(), &read(path)?)?),
+        Some(path) => Some(cut_from_json(surface, &path.display().to_string(), &read(path)?)?),
     };
     let clock = clock();
-    let (layout, uv) = document_layout(&document, cut)?;
+    let (layout, uv) = surface_layout(surface, cut)?;
     let seconds = clock.elapsed().as_secs_f64();
     let report = FlattenReport::new(&layout, Some(seconds));
     if !writes_to_stdout(&args.report) {
@@ -323,12 +438,14 @@ fn warn_of_charts(layout: &Layout) {
     }
 }
 
-/// Opens a file or a sample.
-fn open(mesh: &str) -> Result<Document, Refusal> {
-    match mesh.strip_prefix("sample:") {
-        Some(name) => Document::from_sample(name),
-        None => Document::from_bytes(mesh, &read(Path::new(mesh))?),
-    }
+/// Opens a file or a sample, repaired if that is asked for.
+fn open(args: &MeshArgs) -> Result<Document, Problem> {
+    let mesh = &args.mesh;
+    let document = match mesh.strip_prefix("sample:") {
+        Some(name) => Document::from_sample(name)?,
+        None => Document::from_bytes(mesh, &read(Path::new(mesh))?)?,
+    };
+    if args.repair { document.repaired() } else { Ok(document) }
 }
 
 /// The first error among the events.

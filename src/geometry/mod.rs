@@ -4,10 +4,12 @@
 //! and cutting need is intrinsic and computed from lengths, so that it also works on metrics that live nowhere in space.
 //!
 //! Guaranteed: finite results for every [`Geometry`] that could be made, because [`Geometry::new`] refuses coordinates that
-//! are not finite and triangles without area. Not guaranteed: good conditioning; slivers give large cotangents.
+//! are not finite and triangles without area. Not guaranteed: good conditioning; slivers give large cotangents, and
+//! [`without_slivers`] finds triangles of the same surface that do not.
 
 mod curvature;
 mod distance;
+mod intrinsic;
 mod laplacian;
 pub mod polygon;
 
@@ -17,6 +19,7 @@ use crate::mesh::{EdgeId, FaceId, HalfedgeId, Mesh, SurfacePoint, VertexId};
 
 pub use curvature::{angle_defects, angle_sums, face_curvatures};
 pub use distance::geodesic_distances;
+pub use intrinsic::{Intrinsic, mollification, without_slivers};
 pub use laplacian::Laplacian;
 
 /// Why a surface has no usable metric.
@@ -63,11 +66,13 @@ pub struct UnitFrame {
     pub scale: f64,
 }
 
+/// Height of a triangle over its longest side below which it has no area: angles there are rounding noise.
+pub const FLAT: f64 = 1e-12;
+
 impl Geometry {
     /// Measures a surface. Isolated vertices may lie anywhere.
     ///
-    /// **Fails** on coordinates that are not finite and on faces without area (height below 1e-12 of the longest side:
-    /// there the angles are rounding noise). **Costs** O(V + F).
+    /// **Fails** on coordinates that are not finite and on faces without area (height below [`FLAT`] of the longest side). **Costs** O(V + F).
     pub fn new(mesh: &Mesh, positions: Vec<Point3<f64>>) -> Result<Self, GeometryError> {
         assert_eq!(positions.len(), mesh.vertex_count());
         check_finite(mesh, |v| positions[v.index()].iter().all(|x| x.is_finite()))?;
@@ -81,7 +86,7 @@ impl Geometry {
             .filter(|&f| {
                 let side = |h: HalfedgeId| geometry.edge_length(h.edge());
                 let longest = mesh.face_halfedges(f).map(side).into_iter().fold(0.0, f64::max);
-                !(2.0 * geometry.face_areas[f.index()] > 1e-12 * longest * longest)
+                !(2.0 * geometry.face_areas[f.index()] > FLAT * longest * longest)
             })
             .collect();
         if !degenerate.is_empty() {
@@ -124,9 +129,32 @@ impl Geometry {
         Self { positions, edge_lengths, face_areas, corner_angles, corner_cotangents }
     }
 
+    /// The metric that edge lengths give; positions only go along with it.
+    ///
+    /// **Takes** lengths that satisfy the triangle inequality. **Costs** O(V + F).
+    pub fn from_lengths(mesh: &Mesh, positions: Vec<Point3<f64>>, edge_lengths: Vec<f64>) -> Self {
+        assert_eq!(edge_lengths.len(), mesh.edge_count());
+        let mut face_areas = Vec::with_capacity(mesh.face_count());
+        let mut corner_angles = Vec::with_capacity(mesh.face_count());
+        let mut corner_cotangents = Vec::with_capacity(mesh.face_count());
+        for f in mesh.faces() {
+            let sides = mesh.face_halfedges(f).map(|h| edge_lengths[h.edge().index()]);
+            let (angles, area) = intrinsic::angles_of(sides);
+            face_areas.push(area);
+            corner_angles.push(angles);
+            corner_cotangents.push([0, 1, 2].map(|i| {
+                let (next, prev, far) = (sides[i], sides[(i + 2) % 3], sides[(i + 1) % 3]);
+                (next * next + prev * prev - far * far) / (4.0 * area)
+            }));
+        }
+        Self { positions, edge_lengths, face_areas, corner_angles, corner_cotangents }
+    }
+
     /// Measures a surface after moving its bounding box to the origin and scaling it to area 1.
     ///
-    /// The scale is found in two stages so that neither areas of 1e-100 nor coordinates of 1e9 lose digits.
+    /// The scale is found in two stages so that neither areas of 1e-100 nor coordinates of 1e9 lose digits. Single faces
+    /// without area are let through, with the clamped cotangents of [`Geometry::measure`]: see [`without_slivers`].
+    /// **Fails** on coordinates that are not finite, without extent, and where no face has an area.
     pub fn unit_area(
         mesh: &Mesh,
         positions: &[[f64; 3]],
@@ -147,10 +175,22 @@ impl Geometry {
         let place = |scale: f64| -> Vec<Point3<f64>> {
             positions.iter().map(|&p| Point3::from((Vector3::from(p) - centre) * scale)).collect()
         };
-        let boxed = Self::new(mesh, place(1.0 / extent))?;
-        let scale = 1.0 / (extent * boxed.total_area().sqrt());
-        let unit = Self::new(mesh, place(scale))?;
-        Ok((unit, UnitFrame { centre: Point3::from(centre), scale }))
+        let boxed = place(1.0 / extent);
+        let mut area = 0.0;
+        let mut all_flat = true;
+        for t in mesh.triangles() {
+            let [a, b, c] = t.map(|v| boxed[v.index()]);
+            let sides = [b - a, c - b, a - c];
+            let doubled = sides[0].cross(&sides[1]).norm();
+            let longest = sides.iter().fold(0.0, |m: f64, side| m.max(side.norm_squared()));
+            all_flat &= !(doubled > FLAT * longest);
+            area += 0.5 * doubled;
+        }
+        if all_flat {
+            return Err(GeometryError::DegenerateFaces { faces: mesh.faces().collect() });
+        }
+        let scale = 1.0 / (extent * area.sqrt());
+        Ok((Self::measure(mesh, place(scale)), UnitFrame { centre: Point3::from(centre), scale }))
     }
 
     /// Sum of the face areas.

@@ -5,6 +5,7 @@
 //!   "cutflow_cut": 1,
 //!   "vertices": 2930,
 //!   "patches": 7,
+//!   "mm_per_unit": 3.5,
 //!   "points": [
 //!     {"vertex": 17},
 //!     {"edge": [17, 42], "t": 0.25},
@@ -20,6 +21,7 @@
 //! | `cutflow_cut` | version of this format: 1 |
 //! | `vertices` | number of vertices of the input file; all vertex indices count from 0 in its order |
 //! | `patches` | number of pieces, counted from 0 |
+//! | `mm_per_unit` | real size: millimetres of one unit of the input; left out where it is not known |
 //! | `points` | places on the input: a vertex; (1 − t) a + t b on the edge `[a, b]` with 0 < t < 1; Σ weights · corners in a face |
 //! | `segments` | `[i, j, left, right]`: the cut runs from point i to point j within one face or along one edge, with patch `left` on its left seen from outside. Both are the same where a cut only opens a patch |
 //! | `vertex_labels` | for each vertex of the input the label of its region, `null` where no face uses it |
@@ -44,6 +46,11 @@ pub fn cut_json(surface: &CutSurface, vertex_labels: &[u32]) -> Vec<u8> {
     let mut out = String::from("{\n\"cutflow_cut\": 1,\n");
     out += &format!("\"vertices\": {},\n", soup.positions.len());
     out += &format!("\"patches\": {},\n", opened.patch_count);
+    if let Some(mm) = surface.mm_per_unit {
+        out += "\"mm_per_unit\": ";
+        exact(&mut out, mm);
+        out += ",\n";
+    }
     let texts = points.iter().map(|&p| point_text(surface, cut.points[p as usize]));
     write_array(&mut out, "points", ",\n", texts);
     out += ",\n";

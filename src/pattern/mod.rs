@@ -11,6 +11,7 @@
 //! [`Notice`]. Not guaranteed: that outlines do not overlap on the sheet (layout comes from the caller); that the two sides of a
 //! seam are equally long in the plane (both lengths are at hand; the difference is the ease).
 
+mod attributes;
 mod json;
 mod labels;
 mod number;
@@ -21,7 +22,7 @@ mod sheet;
 mod svg;
 
 pub use json::cut_json;
-pub use obj::{CutSurface, cut_obj, uv_obj};
+pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
 pub use seam::{Partner, Seam};
 pub use sheet::{Layer, Line, Sheet, SheetParams, Text};

@@ -1,5 +1,6 @@
 //! Meshes as OBJ: the user's surface with texture coordinates, and the cut as polylines.
 
+use super::attributes::{Normals, line, names, word};
 use super::number::exact;
 use super::piece::Bounds;
 use crate::mesh::{CutMesh, Mesh, OpenedMesh, Soup, SurfacePoint, chains};
@@ -11,6 +12,10 @@ pub struct CutSurface<'a> {
     pub soup: &'a Soup,
     /// For each vertex of the mesh its vertex of the file; empty where they are the same.
     pub soup_vertices: &'a [u32],
+    /// For each face of the mesh its polygon in the file; empty where groups, materials and normals do not matter.
+    pub face_polygons: &'a [u32],
+    /// Real size: millimetres of one unit of the file, where it is known.
+    pub mm_per_unit: Option<f64>,
     /// The mesh before it was cut.
     pub mesh: &'a Mesh,
     /// The mesh refined along the cut.
@@ -56,8 +61,9 @@ impl CutSurface<'_> {
 /// The refined surface with texture coordinates, as OBJ.
 ///
 /// The file's vertices come first, all of them, in their order, and read back bit for bit; the points made by the cut follow.
-/// Faces are those of the refined triangulation, group `piece_1`, `piece_2`, … for each patch. Charts fill the unit
-/// square as far as one scale for all allows.
+/// Faces are those of the refined triangulation, group `piece_1`, `piece_2`, … for each patch, with the file's groups as
+/// further groups, its materials, and its normals (points on the cut get the mean of their neighbours'). Charts fill the
+/// unit square as far as one scale for all allows.
 ///
 /// **Takes** a place for each vertex of the opened surface (NaN for patches without chart: their faces have no texture
 /// coordinates), and the length of that unit in units of the file.
@@ -96,6 +102,7 @@ pub fn uv_obj(surface: &CutSurface, charts: &[[f64; 2]], chart_unit: f64) -> Vec
     let mut out = String::with_capacity(64 * (soup.positions.len() + charts.len()));
     out += "# Cutflow: surface cut into pieces, with texture coordinates\n";
     out += "# units: as in the input, whose vertices come first, in order and unchanged\n";
+    push_size(&mut out, surface.mm_per_unit);
     out += &format!(
         "# {} vertices of the input, {} new on the cut, {count} texture coordinates\n",
         soup.positions.len(),
@@ -117,19 +124,86 @@ pub fn uv_obj(surface: &CutSurface, charts: &[[f64; 2]], chart_unit: f64) -> Vec
         // Subtraction and division are monotonic: nothing leaves the unit square by rounding.
         write_numbers(&mut out, "vt", &[(x - low[0]) / extent, (y - low[1]) / extent]);
     }
+    let normals = Normals::new(surface);
+    if !surface.face_polygons.is_empty() {
+        for normal in soup.normals.iter().chain(&normals.new) {
+            write_numbers(&mut out, "vn", normal);
+        }
+    }
+    let mut material = None;
     for (patch, faces) in faces_by_patch.iter().enumerate() {
-        out += &format!("g piece_{}\n", patch + 1);
+        let mut group = None;
         for &face in faces {
+            let [own_material, own_group] = names(surface, face);
+            if group != Some(own_group) {
+                group = Some(own_group);
+                out += &format!("g piece_{}", patch + 1);
+                out += &own_group.map_or(String::new(), |name| format!(" {}", word(name)));
+                out.push('\n');
+            }
+            if own_material.is_some() && material != own_material {
+                material = own_material;
+                out += &own_material.map_or(String::new(), |name| format!("usemtl {}\n", line(name)));
+            }
             out.push('f');
-            for v in opened.mesh.triangles()[face] {
+            for (corner, v) in opened.mesh.triangles()[face].into_iter().enumerate() {
                 let point = surface.point_number(opened.vertex_points[v.index()]);
-                out += &match numbers[v.index()] {
-                    0 => format!(" {point}"),
-                    number => format!(" {point}/{number}"),
+                out += &match (numbers[v.index()], normals.corner(face, corner)) {
+                    (0, None) => format!(" {point}"),
+                    (0, Some(normal)) => format!(" {point}//{}", normal + 1),
+                    (number, None) => format!(" {point}/{number}"),
+                    (number, Some(normal)) => format!(" {point}/{number}/{}", normal + 1),
                 };
             }
             out.push('\n');
         }
+    }
+    out.into_bytes()
+}
+
+/// Polygon soup as OBJ: everything that it holds, coordinates and order bit for bit.
+pub fn mesh_obj(soup: &Soup, mm_per_unit: Option<f64>) -> Vec<u8> {
+    let mut out = String::with_capacity(48 * soup.positions.len() + 12 * soup.corners.len());
+    out += "# Cutflow: mesh\n";
+    push_size(&mut out, mm_per_unit);
+    for position in &soup.positions {
+        write_numbers(&mut out, "v", position);
+    }
+    for uv in &soup.texture_coordinates {
+        write_numbers(&mut out, "vt", uv);
+    }
+    for normal in &soup.normals {
+        write_numbers(&mut out, "vn", normal);
+    }
+    let number = |numbers: &[u32], at: usize| {
+        numbers.get(at).filter(|&&n| n != u32::MAX).map_or(String::new(), |n| (n + 1).to_string())
+    };
+    let (mut group, mut material) = (u32::MAX, u32::MAX);
+    for i in 0..soup.polygon_count() {
+        let changes = [
+            ("g", &soup.polygon_groups, &soup.groups, &mut group),
+            ("usemtl", &soup.polygon_materials, &soup.materials, &mut material),
+        ];
+        for (key, numbers, names, current) in changes {
+            let Some(&now) = numbers.get(i) else { continue };
+            if std::mem::replace(current, now) != now
+                && let Some(name) = names.get(now as usize)
+            {
+                out += &format!("{key} {}\n", line(name));
+            }
+        }
+        out.push('f');
+        for at in soup.starts[i] as usize..soup.starts[i + 1] as usize {
+            let texture = number(&soup.texture_corners, at);
+            let normal = number(&soup.normal_corners, at);
+            out += &format!(" {}", soup.corners[at] + 1);
+            out += &match (texture.as_str(), normal.as_str()) {
+                ("", "") => String::new(),
+                (texture, "") => format!("/{texture}"),
+                (texture, normal) => format!("/{texture}/{normal}"),
+            };
+        }
+        out.push('\n');
     }
     out.into_bytes()
 }
@@ -145,6 +219,7 @@ pub fn cut_obj(surface: &CutSurface) -> Vec<u8> {
     points.dedup();
     let number = |point: u32| points.partition_point(|&p| p < point) + 1;
     let mut out = String::from("# Cutflow: the cut, in the units of the input\n");
+    push_size(&mut out, surface.mm_per_unit);
     out += &format!("# {} points, {} polylines\no cut\n", points.len(), chains.len());
     for &point in &points {
         write_numbers(&mut out, "v", &surface.place(cut.points[point as usize]));
@@ -173,6 +248,15 @@ fn rim_points(surface: &CutSurface) -> Vec<bool> {
         }
     }
     is_rim
+}
+
+/// A comment with the real size.
+fn push_size(out: &mut String, mm_per_unit: Option<f64>) {
+    if let Some(mm) = mm_per_unit {
+        *out += "# real size: 1 unit = ";
+        exact(out, mm);
+        *out += " mm\n";
+    }
 }
 
 fn write_numbers(out: &mut String, key: &str, numbers: &[f64]) {

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::document::Document;
+use super::surface::Surface;
 use super::layout::Layout;
 use super::text::Problem;
 use crate::mesh::{CutMesh, VertexId};
@@ -25,7 +25,7 @@ struct Point {
 
 /// The cut that a `cut.json` describes, on the mesh that it was made for. Cuts that only turned patches into disks are
 /// not part of it: they are made again.
-pub fn cut_from_json(document: &Document, name: &str, bytes: &[u8]) -> Result<CutMesh, Problem> {
+pub fn cut_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<CutMesh, Problem> {
     let wrong = |what: String| {
         Problem::new(
             what,
@@ -42,14 +42,14 @@ pub fn cut_from_json(document: &Document, name: &str, bytes: &[u8]) -> Result<Cu
             "Update Cutflow, or write the cut again with this version.",
         ));
     }
-    let vertices = document.soup.positions.len();
+    let vertices = surface.soup.positions.len();
     if file.vertices != vertices || file.vertex_labels.len() != vertices {
         let count = file.vertices;
         return Err(wrong(format!(
             "The cut is of a mesh of {count} vertices, this one has {vertices}."
         )));
     }
-    let labels: Vec<u32> = document
+    let labels: Vec<u32> = surface
         .soup_vertices
         .iter()
         .map(|&v| {
@@ -59,7 +59,7 @@ pub fn cut_from_json(document: &Document, name: &str, bytes: &[u8]) -> Result<Cu
     let mut crossings: Vec<([VertexId; 2], f64)> = Vec::new();
     for point in &file.points {
         let (Some([a, b]), Some(t)) = (point.edge, point.t) else { continue };
-        let (Some(a), Some(b)) = (document.mesh_vertex(a), document.mesh_vertex(b)) else {
+        let (Some(a), Some(b)) = (surface.mesh_vertex(a), surface.mesh_vertex(b)) else {
             return Err(wrong(format!("There is no edge from vertex {a} to vertex {b}.")));
         };
         if !(t > 0.0 && t < 1.0) {
@@ -77,18 +77,18 @@ pub fn cut_from_json(document: &Document, name: &str, bytes: &[u8]) -> Result<Cu
         let t = crossings[found].1;
         Some(if sorted == ends { t } else { 1.0 - t })
     };
-    Ok(labelled_cut(&document.mesh, &document.geometry, &labels, place))
+    Ok(labelled_cut(&surface.mesh, &surface.geometry, &labels, place))
 }
 
-/// Flattens a document along a cut, or along cuts to disks only. **Gives** the layout and the bytes of `uv.obj`.
-pub fn document_layout(
-    document: &Document,
+/// Flattens a surface along a cut, or along cuts to disks only. **Gives** the layout and the bytes of `uv.obj`.
+pub fn surface_layout(
+    surface: &Surface,
     cut: Option<CutMesh>,
 ) -> Result<(Layout, Vec<u8>), Problem> {
-    let cut = cut.unwrap_or_else(|| CutMesh::uncut(&document.mesh));
-    let layout = Layout::full(document, cut, None)
-        .map_err(|error| Problem::solve(&document.name, &error))?;
+    let cut = cut.unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
+    let layout = Layout::full(surface, cut, None)
+        .map_err(|error| Problem::solve(&surface.name, &error))?;
     let bytes =
-        pattern::uv_obj(&layout.surface(document), &layout.charts, 1.0 / document.frame.scale);
+        pattern::uv_obj(&layout.surface(surface, None), &layout.charts, 1.0 / surface.frame.scale);
     Ok((layout, bytes))
 }

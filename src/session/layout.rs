@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::document::Document;
+use super::surface::Surface;
 use super::text::plural;
 use crate::flatten::{Flattening, Measures, Packing, bff, bff_with, measure, measures};
 use crate::geometry::Geometry;
@@ -44,16 +44,16 @@ pub struct Layout {
 impl Layout {
     /// Flattens a cut, after cutting its patches to disks.
     pub fn full(
-        document: &Document,
+        surface: &Surface,
         mut cut: CutMesh,
         previous: Option<&Packing>,
     ) -> Result<Self, SolveError> {
-        let points = place(document, &cut);
+        let points = place(surface, &cut);
         let disks = cut_to_disks(&mut cut, &points)?;
         let geometry = measure_opened(&disks.opened, &points);
         let flattening = bff(&disks.opened, &geometry)?;
         Ok(Self::new(
-            document,
+            surface,
             cut,
             points,
             disks.opened,
@@ -66,21 +66,21 @@ impl Layout {
 
     /// Flattens the disks of a running flow with the factor that it has; other patches wait for their charts.
     pub fn preview(
-        document: &Document,
+        surface: &Surface,
         cut: CutMesh,
         factor: &mut Factor,
         previous: Option<&Packing>,
     ) -> Result<Self, SolveError> {
-        let points = place(document, &cut);
+        let points = place(surface, &cut);
         let opened = cut.open()?;
         let geometry = measure_opened(&opened, &points);
         let flattening = bff_with(&opened, &geometry, factor)?;
-        Ok(Self::new(document, cut, points, opened, geometry, flattening, 0.0, previous))
+        Ok(Self::new(surface, cut, points, opened, geometry, flattening, 0.0, previous))
     }
 
     #[expect(clippy::too_many_arguments, reason = "the two ways of making one")]
     fn new(
-        document: &Document,
+        surface: &Surface,
         cut: CutMesh,
         points: Vec<Point3<f64>>,
         opened: OpenedMesh,
@@ -90,7 +90,7 @@ impl Layout {
         previous: Option<&Packing>,
     ) -> Self {
         let measures = measure(&opened, &geometry, &flattening);
-        let packing = flattening.pack(&opened, document.mesh.vertex_count(), GAP, previous);
+        let packing = flattening.pack(&opened, surface.mesh.vertex_count(), GAP, previous);
         let overlaps_across = measures::overlaps_across(&opened, &flattening, &packing);
         let charts = flattening.place(&opened, &packing).iter().map(|p| [p.x, p.y]).collect();
         let vertex_patches = opened.vertex_patches();
@@ -109,12 +109,18 @@ impl Layout {
         }
     }
 
-    /// The cut surface as the writers of files take it.
-    pub fn surface<'a>(&'a self, document: &'a Document) -> CutSurface<'a> {
+    /// The cut surface as the writers of files take it. **Takes** the millimetres of one unit of the file, where they are known.
+    pub fn surface<'a>(
+        &'a self,
+        surface: &'a Surface,
+        mm_per_unit: Option<f64>,
+    ) -> CutSurface<'a> {
         CutSurface {
-            soup: &document.soup,
-            soup_vertices: &document.soup_vertices,
-            mesh: &document.mesh,
+            soup: &surface.soup,
+            soup_vertices: &surface.soup_vertices,
+            face_polygons: &surface.face_polygons,
+            mm_per_unit,
+            mesh: &surface.mesh,
             cut: &self.cut,
             opened: &self.opened,
         }
@@ -211,8 +217,8 @@ pub fn rim_halfedges(opened: &OpenedMesh) -> impl Iterator<Item = (HalfedgeId, u
     })
 }
 
-fn place(document: &Document, cut: &CutMesh) -> Vec<Point3<f64>> {
-    cut.points.iter().map(|&p| document.geometry.locate(&document.mesh, p)).collect()
+fn place(surface: &Surface, cut: &CutMesh) -> Vec<Point3<f64>> {
+    cut.points.iter().map(|&p| surface.geometry.locate(&surface.mesh, p)).collect()
 }
 
 fn measure_opened(opened: &OpenedMesh, points: &[Point3<f64>]) -> Geometry {

@@ -37,8 +37,42 @@ pub enum Command {
     Undo,
     /// Makes it again.
     Redo,
-    /// Shows the document again in place of a refused mesh.
+    /// Shows the document again after an error.
     DismissError,
+    /// Marks what a finding names on the surface; `None` goes back to the pieces.
+    ShowFinding {
+        /// Its identifier.
+        id: Option<String>,
+    },
+    /// One repair that a finding offers.
+    Repair {
+        /// Its identifier.
+        id: String,
+    },
+    /// All repairs that stand between the mesh and a cut.
+    RepairAll,
+    /// Says what one unit of the file is.
+    SetUnit {
+        /// One of `none mm cm m in`.
+        id: String,
+    },
+    /// Says how long the model is along one axis; the other axes follow.
+    SetSize {
+        /// 0, 1 or 2 for x, y or z.
+        axis: usize,
+        /// In the display unit.
+        value: f64,
+    },
+    /// Makes other triangles for the surface.
+    Prepare {
+        /// Identifier of the tool.
+        tool: String,
+        /// Its parameters, by identifier; those left out have their defaults.
+        #[serde(default)]
+        values: std::collections::BTreeMap<String, f64>,
+    },
+    /// Stops a preparation; the document stays as it was.
+    Cancel,
 }
 
 /// The value of a parameter.
@@ -77,7 +111,7 @@ pub enum Event {
     },
     /// The status line.
     Status {
-        /// One of `ready running paused converged stalled step_limit error`.
+        /// One of `ready running paused converged stalled step_limit preparing error`.
         state: String,
         /// Accepted steps.
         step: usize,
@@ -125,8 +159,33 @@ pub enum Event {
         place: String,
         /// What to do about it.
         what_to_do: String,
-        /// Whether the next scene shows the refused mesh with the places marked.
-        shows_rejected_mesh: bool,
+    },
+    /// What was found in the mesh.
+    Doctor(DoctorReport),
+    /// What other triangles can be made.
+    Tools {
+        /// All tools.
+        options: Vec<ToolSpec>,
+    },
+    /// The real size of the model.
+    Size {
+        /// What one unit of the file is.
+        unit: String,
+        /// All that it can be.
+        units: Vec<Choice>,
+        /// The unit of `boxes`.
+        display_unit: String,
+        /// Width, height and depth.
+        boxes: [f64; 3],
+        /// The same in units of the file.
+        file: [f64; 3],
+    },
+    /// How far a preparation has come.
+    Progress {
+        /// What is done.
+        label: String,
+        /// Part that is done, where it can be told.
+        fraction: Option<f32>,
     },
     /// A new scene is there.
     Scene,
@@ -164,24 +223,115 @@ pub struct SampleChoice {
 pub struct MeshSummary {
     /// File or sample.
     pub name: String,
+    /// `OBJ`, `PLY`, `STL`, `OFF`, `glTF` or `sample`.
+    pub format: String,
     /// Vertices of the file.
     pub vertices: usize,
-    /// Triangles.
+    /// Polygons of the file.
     pub faces: usize,
+    /// Triangles that the polygons are divided into.
+    pub triangles: usize,
     /// Connected components.
     pub components: usize,
     /// Boundary loops.
     pub boundary_loops: usize,
-    /// Sum of the components' genera.
-    pub genus: usize,
-    /// V − E + F.
+    /// Sum of the components' genera; none where the faces do not form an orientable surface.
+    pub genus: Option<usize>,
+    /// V − E + F over the used vertices.
     pub euler: i64,
     /// In the file's unit squared.
     pub area: f64,
     /// Vertices that no face uses.
     pub isolated_vertices: usize,
+    /// Whether methods can work on it as it is.
+    pub solvable: bool,
     /// What was found and passed over.
     pub notices: Vec<NoticeText>,
+}
+
+/// The doctor's report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DoctorReport {
+    /// Whether methods can work on the mesh as it is.
+    pub solvable: bool,
+    /// One sentence.
+    pub headline: String,
+    /// What [`Command::RepairAll`] would do; empty where nothing stands in the way.
+    pub repair_all: Vec<String>,
+    /// The finding that is marked on the surface.
+    pub shown: Option<String>,
+    /// The gravest first.
+    pub findings: Vec<FindingText>,
+}
+
+/// A finding as a person reads it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FindingText {
+    /// Stable identifier.
+    pub id: String,
+    /// `blocks`, `warning` or `note`.
+    pub severity: &'static str,
+    /// How many places.
+    pub count: usize,
+    /// A sentence.
+    pub text: String,
+    /// Where, by the numbers of the file counted from 0; may be empty.
+    pub place: String,
+    /// Whether there is something to mark on the surface.
+    pub can_show: bool,
+    /// What can be done about it, the best first.
+    pub repairs: Vec<RepairChoice>,
+}
+
+/// A repair that is offered.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RepairChoice {
+    /// Stable identifier.
+    pub id: String,
+    /// What the button says.
+    pub label: String,
+    /// What it does, in a sentence.
+    pub help: String,
+}
+
+/// A tool that makes other triangles.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ToolSpec {
+    /// Stable identifier.
+    pub id: String,
+    /// Its name.
+    pub label: String,
+    /// One or two sentences.
+    pub help: String,
+    /// Why it is recommended for this mesh, if it is.
+    pub advice: Option<String>,
+    /// Its parameters.
+    pub params: Vec<ToolParam>,
+}
+
+/// A number that a tool takes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ToolParam {
+    /// Stable identifier.
+    pub id: String,
+    /// Its name.
+    pub label: String,
+    /// Unit, or empty.
+    pub unit: String,
+    /// One or two sentences.
+    pub help: String,
+    /// Smallest.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+    /// Smallest change.
+    pub step: f64,
+    /// Its value at first.
+    pub default: f64,
+    /// Whether the slider moves by ratios.
+    pub logarithmic: bool,
+    /// Whether only whole numbers are allowed.
+    pub integer: bool,
 }
 
 /// Something found in a mesh.

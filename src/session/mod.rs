@@ -10,14 +10,18 @@
 //! This is the only floor that serialises. It reads no clock: drivers measure time and hand in budgets.
 
 mod cut_file;
+mod doctor;
 mod document;
 mod layout;
 mod message;
 mod params;
 mod picture;
+mod preparing;
 mod report;
 pub mod samples;
 pub mod scene;
+mod size;
+mod surface;
 mod text;
 mod work;
 
@@ -25,18 +29,21 @@ use std::rc::Rc;
 
 use crate::methods::cutflow::CutFlow;
 use crate::methods::flow::{Flow, Status};
+use preparing::Preparation;
 use work::{Snapshot, Work, energy_event, start_flow};
 
-pub use cut_file::{cut_from_json, document_layout};
-pub use document::{Document, Refusal};
+pub use cut_file::{cut_from_json, surface_layout};
+pub use document::Document;
 pub use layout::Layout;
 pub use message::{
-    Choice, Command, Condition, Event, File, MeshSummary, NoticeText, ParamKind, ParamSpec,
-    PatternSize, PieceRow, Row, SampleChoice, Term, Value,
+    Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary, NoticeText,
+    ParamKind, ParamSpec, PatternSize, PieceRow, RepairChoice, Row, SampleChoice, Term, ToolParam,
+    ToolSpec, Value,
 };
 pub use params::{Effect, Settings, specs};
 pub use report::{CutReport, FlattenReport, HistoryRow, InfoReport};
 pub use scene::Scene;
+pub use surface::Surface;
 pub use text::Problem;
 
 /// Changes that Undo can take back.
@@ -51,7 +58,9 @@ pub struct Session {
     work: Option<Work>,
     is_running: bool,
     field: String,
-    rejected: Option<Box<Scene>>,
+    /// The finding that is marked on the surface.
+    shown: Option<String>,
+    preparation: Option<Preparation>,
     undo: Vec<Snapshot>,
     redo: Vec<Snapshot>,
     scene_is_new: bool,
@@ -67,10 +76,10 @@ impl Session {
     /// Does what a person asks for, in short time.
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
-        // Who works on is done with the refused mesh.
-        let is_look = matches!(command, Command::Hello | Command::ShowField { .. });
-        if !is_look && self.rejected.take().is_some() {
-            self.scene_is_new = self.work.is_some();
+        // Whoever asks for something else does not want to wait for the end of a preparation.
+        let is_look = matches!(command, Command::Hello | Command::ShowField { .. } | Command::ShowFinding { .. });
+        if !is_look {
+            self.preparation = None;
         }
         let result = match command {
             Command::Hello => {
@@ -94,14 +103,21 @@ impl Session {
             }
             Command::Undo => self.travel(true, &mut events),
             Command::Redo => self.travel(false, &mut events),
-            Command::DismissError => {
+            // What was being prepared has been dropped above.
+            Command::DismissError | Command::Cancel => {
                 events.push(self.status());
                 events.push(Event::Scene);
                 Ok(())
             }
+            Command::ShowFinding { id } => self.show_finding(id, &mut events),
+            Command::Repair { id } => self.repair(Some(&id), &mut events),
+            Command::RepairAll => self.repair(None, &mut events),
+            Command::SetUnit { id } => self.set_parameter("unit", Value::Text(id), &mut events),
+            Command::SetSize { axis, value } => self.set_side(axis, value, &mut events),
+            Command::Prepare { tool, values } => self.prepare(&tool, &values, &mut events),
         };
-        if let Err(refusal) = result {
-            self.refuse(refusal, &mut events);
+        if let Err(problem) = result {
+            self.refuse(problem, &mut events);
         }
         events
     }
@@ -109,8 +125,9 @@ impl Session {
     /// Opens a file. What was open stays open if the file cannot be used.
     pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
-        if let Err(refusal) = self.adopt(Document::from_bytes(name, bytes), &mut events) {
-            self.refuse(refusal, &mut events);
+        self.preparation = None;
+        if let Err(problem) = self.adopt(Document::from_bytes(name, bytes), &mut events) {
+            self.refuse(problem, &mut events);
         }
         events
     }
@@ -118,10 +135,15 @@ impl Session {
     /// Steps the running flow while `go_on` says so, at least once.
     pub fn advance(&mut self, go_on: &mut dyn FnMut() -> bool) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
-        while self.is_running {
-            if let Err(refusal) = self.one_step(&mut events) {
+        while self.is_running() {
+            let stepped = match self.preparation {
+                Some(_) => self.prepare_on(&mut events),
+                None => self.one_step(&mut events),
+            };
+            if let Err(problem) = stepped {
                 self.is_running = false;
-                self.refuse(refusal, &mut events);
+                self.preparation = None;
+                self.refuse(problem, &mut events);
                 break;
             }
             if !go_on() {
@@ -130,6 +152,7 @@ impl Session {
         }
         if let Some(work) = &mut self.work
             && !self.is_running
+            && self.preparation.is_none()
             && !work.is_settled
         {
             self.settle(&mut events);
@@ -141,33 +164,36 @@ impl Session {
 
     /// Whether [`Session::advance`] has anything to do.
     pub fn is_running(&self) -> bool {
-        self.is_running
+        self.is_running || self.preparation.is_some()
     }
 
     /// The newest picture, if there is one that was not taken yet. Made here, when somebody wants to see it.
     pub fn scene(&mut self) -> Option<Scene> {
-        if let Some(scene) = &self.rejected {
-            return std::mem::take(&mut self.scene_is_new).then(|| (**scene).clone());
-        }
         if !std::mem::take(&mut self.scene_is_new) {
             return None;
         }
         let work = self.work.as_mut()?;
+        if work.document.surface.is_none() || self.shown.is_some() {
+            let scene = doctor::scene(&work.document, self.shown.as_deref(), work.revision);
+            work.revision += 1;
+            return Some(scene);
+        }
         if !work.is_settled {
             match work.preview() {
                 Ok(()) => self.late.push(work.measures()),
                 Err(problem) => {
                     // The flow itself goes on; the picture stays the last one.
-                    self.late.push(error_event(problem, false));
+                    self.late.push(error_event(problem));
                     return None;
                 }
             }
         }
         let layout = work.layout.as_ref()?;
+        let surface = work.document.surface.as_ref()?;
         let labels = work.labels();
         let colours = picture::patch_colours(layout, &labels);
         let scene =
-            picture::scene(&work.document, layout, &colours, &work.u(), &self.field, work.revision);
+            picture::scene(surface, layout, &colours, &work.u(), &self.field, work.revision);
         work.revision += 1;
         Some(scene)
     }
@@ -175,7 +201,7 @@ impl Session {
     /// The bytes of an export, by the name of its menu item.
     pub fn export(&mut self, kind: &str) -> Result<File, Problem> {
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        if !work.is_settled {
+        if !work.is_settled && work.document.surface.is_some() {
             work.settle()?;
         }
         work.export(kind)
@@ -219,32 +245,23 @@ impl Session {
         self.work.as_ref().map_or(&[], |work| &work.history)
     }
 
-    fn refuse(&mut self, mut refusal: Refusal, events: &mut Vec<Event>) {
-        let shows = refusal.scene.is_some();
-        if shows {
-            refusal.problem.place += " Marked in red on the surface.";
-            self.rejected = refusal.scene;
-            self.scene_is_new = true;
-        }
-        let text = format!("Error: {}", refusal.problem.what);
-        events.push(error_event(refusal.problem, shows));
+    fn refuse(&self, problem: Problem, events: &mut Vec<Event>) {
+        let text = format!("Error: {}", problem.what);
+        events.push(error_event(problem));
         let step = self.work.as_ref().map_or(0, Work::step);
         events.push(Event::Status { state: "error".into(), step, text });
-        if shows {
-            events.push(Event::Scene);
-        }
     }
 
     /// Opens a document with parameters of the driver's choice.
     pub fn open_with(
         &mut self,
-        document: Result<Document, Refusal>,
+        document: Result<Document, Problem>,
         settings: Settings,
     ) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
         match document {
             Ok(document) => self.adopt_with(document, settings, &mut events),
-            Err(refusal) => self.refuse(refusal, &mut events),
+            Err(problem) => self.refuse(problem, &mut events),
         }
         events
     }
@@ -252,19 +269,33 @@ impl Session {
     /// Takes a new document in, if it could be made, with the parameters that suit it.
     fn adopt(
         &mut self,
-        document: Result<Document, Refusal>,
+        document: Result<Document, Problem>,
         events: &mut Vec<Event>,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), Problem> {
         let document = document?;
-        let settings = Settings::for_sample(document.sample.as_deref());
+        let mut settings = Settings::for_sample(document.sample.as_deref());
+        size::guess(&document, &mut settings);
         self.adopt_with(document, settings, events);
         Ok(())
     }
 
     /// A mesh that the initial cut does not suit is opened all the same, and says so.
-    fn adopt_with(&mut self, mut document: Document, settings: Settings, events: &mut Vec<Event>) {
+    fn adopt_with(&mut self, document: Document, settings: Settings, events: &mut Vec<Event>) {
+        let label = format!("open {}", document.name);
+        self.change_to(document, settings, &label, events);
+    }
+
+    /// Makes another document the current one, with its initial cut; Undo goes back.
+    fn change_to(
+        &mut self,
+        mut document: Document,
+        settings: Settings,
+        label: &str,
+        events: &mut Vec<Event>,
+    ) {
         let flow = match start_flow(&document, &settings, None) {
             Ok(flow) => Some(flow),
+            Err(_) if document.surface.is_none() => None,
             Err(problem) => {
                 document.summary.notices.push(NoticeText {
                     kind: "no_initial_cut".into(),
@@ -274,15 +305,13 @@ impl Session {
                 None
             }
         };
-        let label = format!("open {}", document.name);
-        self.remember(&label, &label);
+        self.remember(label, label);
         self.install(Work::new(Rc::new(document), settings, flow), events);
     }
 
     /// Makes a document, its parameters and a place in its run the current ones.
     fn install(&mut self, mut work: Work, events: &mut Vec<Event>) {
         self.is_running = false;
-        self.rejected = None;
         let old = self.work.take().filter(|old| Rc::ptr_eq(&old.document, &work.document));
         let is_other = old.is_none();
         if let Some(old) = old {
@@ -294,10 +323,14 @@ impl Session {
         }
         self.work = Some(work);
         if is_other {
+            self.shown = None;
             events.push(self.samples());
             events.push(self.fields());
+            events.extend(self.doctor_event());
+            events.extend(self.tools_event());
         }
         events.push(self.parameters());
+        events.extend(self.size_event());
         self.push_energy(events);
         self.settle(events);
         events.push(self.history_event());
@@ -336,7 +369,7 @@ impl Session {
     }
 
     /// Undo or redo.
-    fn travel(&mut self, back: bool, events: &mut Vec<Event>) -> Result<(), Refusal> {
+    fn travel(&mut self, back: bool, events: &mut Vec<Event>) -> Result<(), Problem> {
         let (from, to) =
             if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
         let Some(target) = from.last() else { return Ok(()) };
@@ -362,19 +395,43 @@ impl Session {
         id: &str,
         value: Value,
         events: &mut Vec<Event>,
-    ) -> Result<(), Refusal> {
-        let Some(work) = &self.work else { return Err(nothing_open().into()) };
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
         let mut settings = work.settings.clone();
         let Some(effect) = settings.set(id, value)? else {
             events.push(self.parameters());
             return Ok(());
         };
+        if id == "unit" {
+            size::follow_unit(&work.document, &mut settings)?;
+        }
+        self.apply(id, settings, effect, events)
+    }
+
+    fn set_side(&mut self, axis: usize, value: f64, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let mut settings = work.settings.clone();
+        size::set_side(&work.document, &mut settings, axis, value)?;
+        self.apply("size", settings, Effect::Export, events)
+    }
+
+    /// Puts changed settings in force.
+    fn apply(
+        &mut self,
+        id: &str,
+        settings: Settings,
+        effect: Effect,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
         // Try before anything changes.
         let params = settings.flow_params();
         params.validate().map_err(|error| Problem::solve(&work.document.name, &error))?;
         let restarted = match effect {
-            Effect::Restart => Some(start_flow(&work.document, &settings, None)?),
-            Effect::NextStep | Effect::Export => None,
+            Effect::Restart if work.document.surface.is_some() => {
+                Some(start_flow(&work.document, &settings, None)?)
+            }
+            _ => None,
         };
         let label = specs().into_iter().find(|s| s.id == id).map_or_else(
             || format!("change {id}"),
@@ -390,7 +447,7 @@ impl Session {
                 self.settle(events);
                 events.push(Event::Scene);
             }
-            (Effect::NextStep, None) => {
+            (Effect::NextStep | Effect::Restart, None) => {
                 let name = &work.document.name;
                 if let Some(flow) = &mut work.flow {
                     flow.set_params(params).map_err(|e| Problem::solve(name, &e))?;
@@ -402,15 +459,16 @@ impl Session {
                 }
                 events.extend(self.work.as_ref().map(Work::measures));
             }
-            (_, None) => events.push(work.measures()),
+            (Effect::Export, None) => events.push(work.measures()),
         }
         events.push(self.parameters());
+        events.extend(self.size_event());
         events.push(self.history_event());
         events.push(self.status());
         Ok(())
     }
 
-    fn run(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+    fn run(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.need_flow()?;
         if self.is_at_end() {
             events.push(self.status());
@@ -426,7 +484,7 @@ impl Session {
         Ok(())
     }
 
-    fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+    fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
         if self.work.as_ref().is_some_and(|work| !work.is_settled) {
             self.settle(events);
@@ -436,7 +494,7 @@ impl Session {
         Ok(())
     }
 
-    fn step(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+    fn step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.need_flow()?;
         self.is_running = false;
         let has_ended =
@@ -456,9 +514,9 @@ impl Session {
         Ok(())
     }
 
-    fn reset(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+    fn reset(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
-        let Some(work) = &self.work else { return Err(nothing_open().into()) };
+        let Some(work) = &self.work else { return Err(nothing_open()) };
         let flow = start_flow(&work.document, &work.settings, None)?;
         self.remember("reset", "reset");
         if let Some(work) = &mut self.work {
@@ -495,7 +553,7 @@ impl Session {
         ))
     }
 
-    fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Refusal> {
+    fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         let Some(work) = &mut self.work else { return Ok(()) };
         let limit = work.settings.number("steps");
         let Some(flow) = &mut work.flow else {
@@ -510,7 +568,7 @@ impl Session {
             let row = HistoryRow::new(report.step, &energy, &weights);
             work.history.push(row);
             work.is_settled = false;
-            self.scene_is_new |= self.rejected.is_none();
+            self.scene_is_new = true;
             events.push(energy_event(&row, &weights));
         }
         if report.status != Status::Running || report.step as f64 >= limit {
@@ -522,12 +580,18 @@ impl Session {
     /// Flattens the current cut whole.
     fn settle(&mut self, events: &mut Vec<Event>) {
         let Some(work) = &mut self.work else { return };
+        if work.document.surface.is_none() {
+            // Nothing is flat yet; the doctor's picture is what there is to see.
+            events.push(work.measures());
+            self.scene_is_new = true;
+            return;
+        }
         match work.settle() {
             Ok(()) => {
                 events.push(work.measures());
                 self.scene_is_new = true;
             }
-            Err(problem) => self.refuse(problem.into(), events),
+            Err(problem) => self.refuse(problem, events),
         }
     }
 
@@ -573,7 +637,11 @@ impl Session {
         };
         let step = work.step();
         let limit = work.settings.number("steps");
-        let (state, text) = if self.is_running {
+        let (state, text) = if let Some(preparation) = &self.preparation {
+            ("preparing", preparation.status())
+        } else if work.document.surface.is_none() {
+            ("ready", "Ready: the mesh needs repair before it can be cut".to_owned())
+        } else if self.is_running {
             ("running", format!("Running step {step}"))
         } else {
             match work.flow.as_ref().map(CutFlow::status) {
@@ -595,13 +663,8 @@ impl Session {
     }
 }
 
-fn error_event(problem: Problem, shows_rejected_mesh: bool) -> Event {
-    Event::Error {
-        what: problem.what,
-        place: problem.place,
-        what_to_do: problem.what_to_do,
-        shows_rejected_mesh,
-    }
+fn error_event(problem: Problem) -> Event {
+    Event::Error { what: problem.what, place: problem.place, what_to_do: problem.what_to_do }
 }
 
 fn nothing_open() -> Problem {

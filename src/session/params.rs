@@ -9,8 +9,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
-use super::document::Document;
+use super::surface::Surface;
 use super::message::{Choice, Condition, ParamKind, ParamSpec, Value};
+use super::size::{RANGE_MM, UNITS};
 use super::text::Problem;
 use crate::methods::cutflow::{CutFlowParams, Initial, Weights};
 
@@ -19,6 +20,9 @@ use crate::methods::cutflow::{CutFlowParams, Initial, Weights};
 pub struct Settings {
     values: BTreeMap<&'static str, Value>,
 }
+
+/// The group of unit and size, which the page shows in a panel of their own.
+const SIZE: &str = "Size";
 
 /// What a change of a parameter asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,9 +148,18 @@ pub fn specs() -> Vec<ParamSpec> {
         number("length", "Cut length", "α", "/√A", [0.0, 20.0, 0.05], 2.0,
             "Weight of the cut's length. Larger gives shorter, smoother cuts and more distortion; acts on the next step.")
             .group(weights).logarithmic(),
-        number("size", "Largest side", "", "mm", [10.0, 5000.0, 1.0], 300.0,
+        ParamSpec {
+            group: SIZE.into(),
+            ..choice(
+                "unit",
+                "Unit",
+                &UNITS.map(|(id, label, _)| (id, label)),
+                "What one unit of the file is. Without one the size is what you say.",
+            )
+        },
+        number("size", "Largest side", "", "mm", [RANGE_MM[0], RANGE_MM[1], 0.1], 300.0,
             "The longest side of the model's bounding box at its real size: sets the scale of patterns.")
-            .group("Size").logarithmic(),
+            .group(SIZE).logarithmic(),
         number("cap", "Largest move", "", "edges", [0.1, 1.5, 0.05], 1.0,
             "Largest move of the cut in one step, in mean edge lengths. Half is safer and takes twice the steps.")
             .group(steps).advanced(),
@@ -196,6 +209,11 @@ impl Settings {
     /// Value of every parameter, by identifier.
     pub fn values(&self) -> BTreeMap<String, Value> {
         self.values.iter().map(|(id, value)| ((*id).to_owned(), value.clone())).collect()
+    }
+
+    /// Puts in a value that is known to be in range.
+    pub(super) fn put(&mut self, id: &'static str, value: Value) {
+        self.values.insert(id, value);
     }
 
     /// A number.
@@ -271,7 +289,7 @@ impl Settings {
         }
         self.values.insert(key, value);
         Ok(Some(match *key {
-            "size" => Effect::Export,
+            "size" | "unit" => Effect::Export,
             "init" | "angle" | "regions" | "axis" | "offset" | "vertex" | "radius" => {
                 Effect::Restart
             }
@@ -295,8 +313,8 @@ impl Settings {
     }
 
     /// The initial cut on a surface.
-    pub fn initial(&self, document: &Document) -> Result<Initial, Problem> {
-        let (mesh, geometry) = (&document.mesh, &document.geometry);
+    pub fn initial(&self, surface: &Surface) -> Result<Initial, Problem> {
+        let (mesh, geometry) = surface.solving();
         Ok(match self.text("init") {
             "plane" => {
                 let axis = match self.text("axis") {
@@ -318,8 +336,8 @@ impl Settings {
             }
             "circle" => {
                 let wanted = self.number("vertex");
-                let Some(vertex) = document.mesh_vertex_from(wanted as usize) else {
-                    let count = document.soup.positions.len();
+                let Some(vertex) = surface.mesh_vertex_from(wanted as usize) else {
+                    let count = surface.soup.positions.len();
                     return Err(Problem::new(
                         format!("There is no vertex {wanted}: the mesh has {count}."),
                         "Centre vertex of the initial circle.",
@@ -348,6 +366,7 @@ const IDS: &[&str] = &[
     "hencky",
     "dirichlet",
     "length",
+    "unit",
     "size",
     "cap",
     "steps",

@@ -7,7 +7,7 @@
 
 use nalgebra::Vector3;
 
-use super::document::{Document, face_to_vertex};
+use super::surface::{Surface, face_to_vertex};
 use super::layout::{Layout, rim_halfedges};
 use super::message::Choice;
 use super::scene::{FieldScene, PatchScene, Scene};
@@ -60,17 +60,17 @@ pub fn patch_colours(layout: &Layout, labels: &[u32]) -> Vec<u8> {
 ///
 /// **Takes** u at the mesh's vertices (0 on cuts), and the field to paint.
 pub fn scene(
-    document: &Document,
+    surface: &Surface,
     layout: &Layout,
     colours: &[u8],
     u: &[f64],
     field: &str,
     revision: u32,
 ) -> Scene {
-    let unit = 1.0 / document.radius().max(1e-300);
+    let unit = 1.0 / surface.radius().max(1e-300);
     let opened = &layout.opened;
     let point_normals: Vec<Vector3<f64>> =
-        layout.cut.points.iter().map(|&p| normal_at(document, p)).collect();
+        layout.cut.points.iter().map(|&p| normal_at(surface, p)).collect();
     let small = |x: f64| x as f32;
     let mut result = Scene {
         positions: Vec::with_capacity(3 * opened.vertex_points.len()),
@@ -116,23 +116,23 @@ pub fn scene(
         });
     }
 
-    if let Some((id, label, values, signed)) = field_values(document, layout, u, field) {
+    if let Some((id, label, values, signed)) = field_values(surface, layout, u, field) {
         result.field = Some(legend(layout, id, label, &values, signed));
         result.values = values.into_iter().map(small).collect();
     }
     result
 }
 
-fn normal_at(document: &Document, point: SurfacePoint) -> Vector3<f64> {
-    let at = |v: crate::mesh::VertexId| document.vertex_normals[v.index()];
+fn normal_at(surface: &Surface, point: SurfacePoint) -> Vector3<f64> {
+    let at = |v: crate::mesh::VertexId| surface.vertex_normals[v.index()];
     let sum = match point {
         SurfacePoint::Vertex(v) => return at(v),
         SurfacePoint::Edge(e, t) => {
-            let [a, b] = document.mesh.edge_vertices(e).map(at);
+            let [a, b] = surface.mesh.edge_vertices(e).map(at);
             a * (1.0 - t) + b * t
         }
         SurfacePoint::Face(f, w) => {
-            let [a, b, c] = document.mesh.face_vertices(f).map(at);
+            let [a, b, c] = surface.mesh.face_vertices(f).map(at);
             a * w[0] + b * w[1] + c * w[2]
         }
     };
@@ -172,12 +172,12 @@ fn anchors(layout: &Layout) -> Vec<[f64; 2]> {
 
 /// Identifier, label, one value for each opened vertex, whether the field is signed.
 fn field_values(
-    document: &Document,
+    surface: &Surface,
     layout: &Layout,
     u: &[f64],
     field: &str,
 ) -> Option<(&'static str, &'static str, Vec<f64>, bool)> {
-    let own = document.mesh.vertex_count();
+    let own = surface.mesh.vertex_count();
     let opened = &layout.opened;
     let on_points = |vertex_values: &[f64], elsewhere: &dyn Fn(SurfacePoint) -> f64| -> Vec<f64> {
         opened
@@ -199,15 +199,15 @@ fn field_values(
             Some(("u", "Scale factor u", values.collect(), true))
         }
         "curvature" => {
-            let curvature = &document.vertex_curvatures;
+            let curvature = &surface.vertex_curvatures;
             let between = |point| match point {
                 SurfacePoint::Vertex(v) => curvature[v.index()],
                 SurfacePoint::Edge(e, t) => {
-                    let [a, b] = document.mesh.edge_vertices(e).map(|v| curvature[v.index()]);
+                    let [a, b] = surface.mesh.edge_vertices(e).map(|v| curvature[v.index()]);
                     a + (b - a) * t
                 }
                 SurfacePoint::Face(f, w) => {
-                    let corners = document.mesh.face_vertices(f).map(|v| curvature[v.index()]);
+                    let corners = surface.mesh.face_vertices(f).map(|v| curvature[v.index()]);
                     corners.iter().zip(w).map(|(c, w)| c * w).sum()
                 }
             };

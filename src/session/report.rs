@@ -13,18 +13,24 @@ use crate::methods::cutflow::{Energy, Weights};
 pub struct InfoReport {
     /// Vertices of the file.
     pub vertices: usize,
-    /// Triangles.
+    /// Polygons of the file.
     pub faces: usize,
+    /// Triangles that the polygons are divided into.
+    pub triangles: usize,
     /// Connected components.
     pub components: usize,
     /// Boundary loops.
     pub boundary_loops: usize,
-    /// Sum of the genera.
-    pub genus: usize,
+    /// Sum of the genera; `null` where the faces do not form an orientable surface.
+    pub genus: Option<usize>,
     /// V − E + F over used vertices.
     pub euler: i64,
     /// In the file's unit squared.
     pub area: f64,
+    /// Sides of the bounding box of the used vertices, in the file's unit.
+    pub size: [f64; 3],
+    /// Whether methods can work on it without repair.
+    pub solvable: bool,
     /// What was found.
     pub notices: Vec<NoticeText>,
 }
@@ -136,11 +142,14 @@ impl InfoReport {
         Self {
             vertices: s.vertices,
             faces: s.faces,
+            triangles: s.triangles,
             components: s.components,
             boundary_loops: s.boundary_loops,
             genus: s.genus,
             euler: s.euler,
             area: s.area,
+            size: document.size,
+            solvable: s.solvable,
             notices: s.notices.clone(),
         }
     }

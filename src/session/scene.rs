@@ -85,6 +85,8 @@ pub struct FieldScene {
 impl PatchScene {
     /// Colour of something that is no patch: beyond the palette, drawn in grey.
     pub const NEUTRAL: u8 = u8::MAX;
+    /// Colour of faces that a finding names.
+    pub const MARKED: u8 = u8::MAX - 1;
 }
 
 impl Scene {

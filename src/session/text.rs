@@ -4,7 +4,7 @@ use super::message::NoticeText;
 use crate::geometry::GeometryError;
 use crate::linalg::LinalgError;
 use crate::mesh::MeshError;
-use crate::mesh::obj::ReadError;
+use crate::mesh::read::{Place, ReadError};
 use crate::methods::flow::SolveError;
 
 /// Something that could not be done, in three parts.
@@ -31,9 +31,10 @@ impl Problem {
     /// The text of a file that could not be read.
     pub fn read(name: &str, error: &ReadError) -> Self {
         let fault = capital(&error.fault.to_string());
-        let place = match error.line {
-            Some(line) => format!("{name}, line {line}."),
-            None => format!("{name}."),
+        let place = match error.place {
+            Place::File => format!("{name}."),
+            Place::Line(_) => format!("{name}, {}.", error.place),
+            place => format!("{name}, {place} (counted from 0)."),
         };
         Self::new(format!("{fault}."), place, error.fault.advice())
     }

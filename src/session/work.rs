@@ -3,12 +3,14 @@
 use std::rc::Rc;
 
 use super::document::Document;
+use super::surface::Surface;
 use super::layout::Layout;
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
 use super::params::Settings;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
 use super::text::Problem;
-use super::{nothing_open, picture};
+use super::{nothing_open, picture, size};
+use crate::mesh::CutMesh;
 use crate::methods::cutflow::{Checkpoint, CutFlow, Weights};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, Pattern, Sheet, SheetParams};
@@ -47,14 +49,29 @@ impl Work {
     pub fn labels(&self) -> Vec<u32> {
         match &self.flow {
             Some(flow) => flow.state().labels().to_vec(),
-            None => vec![0; self.document.mesh.vertex_count()],
+            None => vec![0; self.vertex_count()],
         }
     }
 
     pub fn u(&self) -> Vec<f64> {
         match &self.flow {
             Some(flow) => flow.state().u().to_vec(),
-            None => vec![0.0; self.document.mesh.vertex_count()],
+            None => vec![0.0; self.vertex_count()],
+        }
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.document.surface.as_ref().map_or(0, |surface| surface.mesh.vertex_count())
+    }
+
+    /// The current cut on the surface as it was given; none at all without a flow.
+    fn cut_mesh(&self, surface: &Surface) -> CutMesh {
+        match &self.flow {
+            None => CutMesh::uncut(&surface.mesh),
+            Some(flow) if surface.solving.is_some() => {
+                flow.cut_mesh_on(&surface.mesh, &surface.geometry)
+            }
+            Some(flow) => flow.cut_mesh(),
         }
     }
 
@@ -101,28 +118,28 @@ impl Work {
 
     /// The layout of a running flow: with the flow's own factor where all patches are disks, whole otherwise.
     pub fn preview(&mut self) -> Result<(), Problem> {
-        let Some(flow) = &mut self.flow else { return self.settle() };
+        let surface = self.document.surface()?;
+        let wrong = |error| Problem::solve(&surface.name, &error);
         let packing = self.layout.as_ref().map(|l| &l.packing);
-        let layout = Layout::preview(&self.document, flow.cut_mesh(), flow.factor(), packing)
-            .map_err(|error| Problem::solve(&self.document.name, &error))?;
-        if layout.is_complete() {
-            self.layout = Some(layout);
-            return Ok(());
+        // The flow's factor belongs to the triangles that it solves on.
+        if let Some(flow) = self.flow.as_mut().filter(|_| surface.solving.is_none()) {
+            let layout = Layout::preview(surface, flow.cut_mesh(), flow.factor(), packing)
+                .map_err(wrong)?;
+            if layout.is_complete() {
+                self.layout = Some(layout);
+                return Ok(());
+            }
         }
-        let layout = Layout::full(&self.document, flow.cut_mesh(), packing)
-            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        let layout = Layout::full(surface, self.cut_mesh(surface), packing).map_err(wrong)?;
         self.layout = Some(layout);
         Ok(())
     }
 
     pub fn settle(&mut self) -> Result<(), Problem> {
-        let cut = match &self.flow {
-            Some(flow) => flow.cut_mesh(),
-            None => crate::mesh::CutMesh::uncut(&self.document.mesh),
-        };
+        let surface = self.document.surface()?;
         let packing = self.layout.as_ref().map(|l| &l.packing);
-        let layout = Layout::full(&self.document, cut, packing)
-            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        let layout = Layout::full(surface, self.cut_mesh(surface), packing)
+            .map_err(|error| Problem::solve(&surface.name, &error))?;
         self.layout = Some(layout);
         self.is_settled = true;
         if self.start.is_none() {
@@ -133,7 +150,8 @@ impl Work {
 
     /// Millimetres per √area.
     pub fn mm_per_unit(&self) -> f64 {
-        self.settings.number("size") / self.document.largest_side().max(1e-300)
+        let unit = self.document.surface.as_ref().map_or(1.0, |s| s.frame.scale);
+        size::mm_per_file_unit(&self.document, &self.settings) / unit
     }
 
     /// The rows of the table of measures, without their starts.
@@ -208,7 +226,7 @@ impl Work {
             unit: "mm".into(),
             filled: flat / (sheet.x * sheet.y),
             // Scenes have radius 1.
-            unit_length: self.document.radius() * mm,
+            unit_length: self.document.surface.as_ref().map_or(1.0, Surface::radius) * mm,
             overlaps: layout.overlaps(),
         });
         Event::Measures { rows, pieces, pattern }
@@ -254,15 +272,25 @@ impl Work {
     }
 
     pub fn export(&self, kind: &str) -> Result<File, Problem> {
-        let Some(layout) = &self.layout else { return Err(nothing_open()) };
         let document = &*self.document;
-        let surface = layout.surface(document);
+        if kind == "Mesh (OBJ)" {
+            let mm = size::mm_per_file_unit(document, &self.settings);
+            return Ok(File {
+                name: format!("{}-mesh.obj", stem(&document.name)),
+                mime: "model/obj",
+                bytes: pattern::mesh_obj(&document.soup, Some(mm)),
+            });
+        }
+        let given = document.surface()?;
+        let Some(layout) = &self.layout else { return Err(nothing_open()) };
+        let scale = size::mm_per_file_unit(document, &self.settings);
+        let surface = layout.surface(given, Some(scale));
         let stem = stem(&document.name);
         let file =
             |suffix: &str, mime, bytes| File { name: format!("{stem}-{suffix}"), mime, bytes };
         match kind {
             "UV mesh (OBJ)" => {
-                let bytes = pattern::uv_obj(&surface, &layout.charts, 1.0 / document.frame.scale);
+                let bytes = pattern::uv_obj(&surface, &layout.charts, 1.0 / given.frame.scale);
                 Ok(file("uv.obj", "model/obj", bytes))
             }
             "Cut curves (OBJ)" => Ok(file("cut.obj", "model/obj", pattern::cut_obj(&surface))),
@@ -275,7 +303,7 @@ impl Work {
                 let (pieces, _) = Pattern::new(&layout.opened, &layout.charts, &layout.points, mm);
                 let params = SheetParams {
                     title: base_name(&document.name).to_owned(),
-                    mm_per_model_unit: Some(mm * document.frame.scale),
+                    mm_per_model_unit: Some(mm * given.frame.scale),
                     ..SheetParams::default()
                 };
                 let bytes = pattern::svg(&Sheet::new(pieces, &params));
@@ -300,7 +328,7 @@ impl Work {
             _ => Err(Problem::new(
                 format!("There is no export called “{kind}”."),
                 "In the choice of an export.",
-                "Choose UV mesh (OBJ), Cut curves (OBJ), Cut (JSON), Pattern (SVG) or Report (JSON).",
+                "Choose Mesh (OBJ), UV mesh (OBJ), Cut curves (OBJ), Cut (JSON), Pattern (SVG) or Report (JSON).",
             )),
         }
     }
@@ -313,9 +341,12 @@ pub(super) fn start_flow(
     checkpoint: Option<&Checkpoint>,
 ) -> Result<CutFlow, Problem> {
     let wrong = |error| Problem::solve(&document.name, &error);
-    let initial = settings.initial(document)?;
-    let (mesh, geometry) = (document.mesh.clone(), document.geometry.clone());
-    let mut flow = CutFlow::new(mesh, geometry, &initial, settings.flow_params()).map_err(wrong)?;
+    let surface = document.surface()?;
+    let initial = settings.initial(surface)?;
+    let (mesh, geometry) = surface.solving();
+    let mut flow =
+        CutFlow::new(mesh.clone(), geometry.clone(), &initial, settings.flow_params())
+            .map_err(wrong)?;
     if let Some(checkpoint) = checkpoint {
         flow.restore(checkpoint).map_err(wrong)?;
     }

@@ -4,6 +4,8 @@
 //! where they compute light and encode what they write, so that a picture does not depend on
 //! whether a backend offers an sRGB surface.
 
+use crate::session::scene::PatchScene;
+
 /// Nine region colours of even lightness, chosen for distance under the three colour deficiencies.
 const PALETTE: [u32; 9] =
     [0xefa38f, 0xc3a657, 0xe2cb77, 0xb3deb7, 0x8adfff, 0x92c1fe, 0xa9a0dc, 0xebadcf, 0xdb8fae];
@@ -15,6 +17,8 @@ const SEQUENTIAL: [u32; 9] =
     [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725];
 /// A patch without a palette entry, such as a rejected mesh, and a vertex without a value.
 pub const NEUTRAL: Rgb = Rgb([0xc4 as f32 / 255.0, 0xc6 as f32 / 255.0, 0xcb as f32 / 255.0]);
+/// Faces that a finding names: lighter than [`WARNING`], so that lines in it stay visible.
+pub const MARKED: Rgb = Rgb([0xf0 as f32 / 255.0, 0x8a as f32 / 255.0, 0x80 as f32 / 255.0]);
 /// Cuts and chart outlines.
 pub const CUT: Rgb = Rgb([0x20 as f32 / 255.0, 0x22 as f32 / 255.0, 0x2b as f32 / 255.0]);
 /// The light line beside a cut.
@@ -75,9 +79,14 @@ impl Rgb {
     }
 }
 
-/// The colour of region `index`; beyond the palette the neutral grey of something that is no region.
+/// The colour of region `index`; beyond the palette the neutral grey of something that is no region, or the paler red of faces
+/// that a finding names.
 pub fn region(index: u8) -> Rgb {
-    PALETTE.get(usize::from(index)).map_or(NEUTRAL, |&hex| Rgb::from_hex(hex))
+    match PALETTE.get(usize::from(index)) {
+        Some(&hex) => Rgb::from_hex(hex),
+        None if index == PatchScene::MARKED => MARKED,
+        None => NEUTRAL,
+    }
 }
 
 /// The RGBA bytes of a colour map over its range, interpolated in OKLab: `size` pixels.

@@ -12,7 +12,8 @@ use std::f64::consts::TAU;
 
 use cutflow::geometry::Geometry;
 use cutflow::geometry::polygon::triangulate;
-use cutflow::mesh::{CutMesh, FaceId, HalfedgeId, Mesh, obj};
+use cutflow::mesh::read::obj;
+use cutflow::mesh::{CutMesh, FaceId, HalfedgeId, Mesh};
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial};
 use cutflow::methods::cutgraph::{DiskCuts, cut_to_disks};
 use cutflow::session::samples;
@@ -45,7 +46,7 @@ impl Surface {
             eprintln!("skipped: ../shared/meshes/{name} is not there");
             return None;
         };
-        let (soup, _) = obj::read(&bytes).unwrap();
+        let soup = obj::read(&bytes).unwrap().soup;
         let mut triangles = Vec::new();
         for i in 0..soup.polygon_count() {
             triangulate(&soup.positions, soup.polygon(i), &mut triangles);

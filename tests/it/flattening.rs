@@ -737,7 +737,7 @@ fn shared_mesh(name: &str) -> Option<Soup> {
         eprintln!("skipped: {path} is absent");
         return None;
     };
-    let (soup, _) = cutflow::mesh::obj::read(&bytes).unwrap();
+    let soup = cutflow::mesh::read::obj::read(&bytes).unwrap().soup;
     let mut triangles = Vec::new();
     for i in 0..soup.polygon_count() {
         let polygon = soup.polygon(i);

@@ -12,9 +12,8 @@ use std::f64::consts::TAU;
 
 use cutflow::flatten::bff;
 use cutflow::geometry::Geometry;
-use cutflow::mesh::{
-    CutMesh, FaceId, HalfedgeId, Mesh, OpenedMesh, Soup, SurfacePoint, VertexId, obj,
-};
+use cutflow::mesh::read::{Content, obj};
+use cutflow::mesh::{CutMesh, FaceId, HalfedgeId, Mesh, OpenedMesh, Soup, SurfacePoint, VertexId};
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial};
 use cutflow::methods::cutgraph::cut_to_disks;
 use cutflow::pattern::{
@@ -47,7 +46,7 @@ impl Example {
     fn refined(soup: Soup, mesh: Mesh, cut: CutMesh) -> Self {
         let opened = cut.open().unwrap();
         let surface =
-            CutSurface { soup: &soup, soup_vertices: &[], mesh: &mesh, cut: &cut, opened: &opened };
+            CutSurface { soup: &soup, soup_vertices: &[], face_polygons: &[], mm_per_unit: None, mesh: &mesh, cut: &cut, opened: &opened };
         let positions: Vec<Point3<f64>> =
             cut.points.iter().map(|&p| Point3::from(surface.place(p))).collect();
         let charts = unfold(&opened, &positions).into_iter().map(Into::into).collect();
@@ -56,7 +55,7 @@ impl Example {
 
     fn surface(&self) -> CutSurface<'_> {
         let Self { soup, mesh, cut, opened, .. } = self;
-        CutSurface { soup, soup_vertices: &[], mesh, cut, opened }
+        CutSurface { soup, soup_vertices: &[], face_polygons: &[], mm_per_unit: None, mesh, cut, opened }
     }
 
     fn pattern(&self, mm_per_unit: f64) -> (Pattern, Vec<Notice>) {
@@ -559,7 +558,7 @@ fn the_uv_mesh_has_the_charts_at_one_scale_in_the_unit_square() {
             }
         }
         // Our own reader takes it, and finds corners on both sides of a cut apart in the plane only.
-        let (soup, notices) = obj::read(written.as_bytes()).unwrap();
+        let Content { soup, notices, .. } = obj::read(written.as_bytes()).unwrap();
         assert!(notices.is_empty());
         assert_eq!(soup.polygon_count(), example.cut.triangles.len());
         assert_eq!(soup.texture_corners.len(), 3 * soup.polygon_count());
@@ -577,6 +576,8 @@ fn vertices_of_the_mesh_may_come_from_others_of_the_file() {
     let surface = CutSurface {
         soup: &soup,
         soup_vertices: &[2, 0, 3, 0],
+        face_polygons: &[],
+        mm_per_unit: None,
         mesh: &mesh,
         cut: &cut,
         opened: &opened,
@@ -727,9 +728,9 @@ fn a_ball_cut_in_two_gives_two_round_pieces_with_one_seam() {
         assert!((piece.room_mm - 50.0).abs() < 2.0, "{}", piece.room_mm);
     }
     let surface =
-        CutSurface { soup: &soup, soup_vertices: &[], mesh: &mesh, cut: &cut, opened: &opened };
+        CutSurface { soup: &soup, soup_vertices: &[], face_polygons: &[], mm_per_unit: None, mesh: &mesh, cut: &cut, opened: &opened };
     let written = uv_obj(&surface, &charts, 1.0 / frame.scale);
-    let (read, _) = obj::read(&written).unwrap();
+    let read = obj::read(&written).unwrap().soup;
     assert_eq!(read.positions[..soup.positions.len()], soup.positions);
     let scale = String::from_utf8(written).unwrap();
     let scale: f64 =

@@ -1,411 +1,248 @@
-//! Reading OBJ: what loads, what is passed over, what is refused and with which words.
+//! Reading mesh files: what a file is taken for, the collection of hostile files beside the checkout, and damage.
 //!
-//! The first half makes its own hostile files and always runs; the second reads the collection beside the
-//! checkout, and says so where there is none.
-#![allow(
-    clippy::disallowed_methods,
-    clippy::unwrap_used,
-    reason = "tests read files, and may panic"
-)]
+//! What each format understands and refuses is in the files beside this one, on files that they make themselves. The
+//! tests of the collection say so where there is none.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use cutflow::geometry::polygon::triangulate;
 use cutflow::mesh::Soup;
-use cutflow::mesh::obj::{self, ReadError, ReadFault, ReadNotice, ReadNoticeKind};
-use cutflow::session::samples;
+use cutflow::mesh::read::{self, Content, Format, ReadError};
+
+use super::mutation::{SplitMix64, mutate};
+use super::{reading_obj, reading_off, reading_ply};
 
 /// What a reader makes of a file.
 #[derive(Debug, PartialEq)]
-enum Outcome {
+pub enum Outcome {
     /// Vertices, faces, and the texts of the notices.
     Loads(usize, usize, Vec<String>),
     /// The text of the error.
     Refused(String),
 }
 
-fn loads(vertices: usize, faces: usize) -> Outcome {
+pub fn loads(vertices: usize, faces: usize) -> Outcome {
     Outcome::Loads(vertices, faces, Vec::new())
 }
 
-fn loads_with(vertices: usize, faces: usize, notice: &str) -> Outcome {
+pub fn loads_with(vertices: usize, faces: usize, notice: &str) -> Outcome {
     Outcome::Loads(vertices, faces, vec![notice.to_owned()])
 }
 
-fn refused(text: &str) -> Outcome {
+pub fn refused(text: &str) -> Outcome {
     Outcome::Refused(text.to_owned())
 }
 
-fn outcome(bytes: &[u8]) -> Outcome {
-    match obj::read(bytes) {
-        Ok((soup, notices)) => {
-            assert_sound(&soup);
+/// What becomes of a file of this name, all guarantees checked.
+pub fn outcome(name: &str, bytes: &[u8]) -> Outcome {
+    outcome_of(&read::read(name, bytes), bytes.len())
+}
+
+/// The outcome of reading so many bytes.
+pub fn outcome_of(result: &Result<Content, ReadError>, length: usize) -> Outcome {
+    match result {
+        Ok(Content { soup, notices, .. }) => {
+            assert_sound(soup);
+            // Text takes 2 bytes for a number at least, binary 1 (PLY of `uchar`): 24 bytes of memory are for 3 numbers, and
+            // texture coordinates, normals and room to grow come on top.
+            assert!(memory(soup) <= 48 * length + 4096, "{} for {length}", memory(soup));
+            assert!(notices.is_sorted_by_key(|notice| notice.place));
             let notices = notices.iter().map(ToString::to_string).collect();
             Outcome::Loads(soup.positions.len(), soup.polygon_count(), notices)
         }
         Err(error) => {
             assert!(!error.fault.advice().is_empty());
-            Outcome::Refused(error.to_string())
+            let text = error.to_string();
+            assert!(text.len() < 400 && !text.contains(char::is_control), "{text:?}");
+            Outcome::Refused(text)
         }
     }
 }
 
-fn read(text: &str) -> (Soup, Vec<ReadNotice>) {
-    obj::read(text.as_bytes()).unwrap()
-}
-
-/// All that the reader guarantees of a soup.
-fn assert_sound(soup: &Soup) {
+/// All that the readers guarantee of a soup.
+pub fn assert_sound(soup: &Soup) {
     assert!(soup.positions.iter().flatten().all(|x| x.abs() <= f64::from(f32::MAX)));
     assert_eq!(soup.starts.first(), Some(&0));
     assert_eq!(soup.starts.last().map(|&end| end as usize), Some(soup.corners.len()));
     assert!(soup.starts.windows(2).all(|pair| pair[1] >= pair[0] + 3));
-    assert_eq!(soup.lines.len(), soup.polygon_count());
-    assert!(soup.lines.windows(2).all(|pair| pair[0] <= pair[1]));
+    assert!(soup.lines.is_empty() || soup.lines.len() == soup.polygon_count());
+    assert!(soup.lines.is_sorted());
     assert!(soup.corners.iter().all(|&v| (v as usize) < soup.positions.len()));
     assert!(soup.texture_coordinates.iter().flatten().all(|x| x.is_finite()));
-    assert!(soup.texture_corners.is_empty() || soup.texture_corners.len() == soup.corners.len());
-    let is_known = |t: u32| t == u32::MAX || (t as usize) < soup.texture_coordinates.len();
-    assert!(soup.texture_corners.iter().all(|&t| is_known(t)));
+    assert!(soup.normals.iter().flatten().all(|x| x.is_finite()));
+    assert_indices(&soup.texture_corners, soup.corners.len(), soup.texture_coordinates.len());
+    assert_indices(&soup.normal_corners, soup.corners.len(), soup.normals.len());
+    assert_indices(&soup.polygon_groups, soup.polygon_count(), soup.groups.len());
+    assert_indices(&soup.polygon_materials, soup.polygon_count(), soup.materials.len());
 }
 
-/// An icosphere of 42 vertices and 80 faces: vertices on lines 1 to 42, faces on lines 43 to 122.
-fn sphere() -> String {
-    let soup = samples::icosphere(2);
-    let mut text = String::new();
-    for [x, y, z] in &soup.positions {
-        writeln!(text, "v {x} {y} {z}").unwrap();
+/// Empty, or as many as there should be, each in range or none.
+fn assert_indices(indices: &[u32], length: usize, range: usize) {
+    assert!(indices.is_empty() || indices.len() == length);
+    assert!(indices.iter().all(|&i| i == u32::MAX || (i as usize) < range));
+}
+
+/// Bytes that the arrays of a soup hold, used or not.
+pub fn memory(soup: &Soup) -> usize {
+    let indices = [
+        &soup.corners,
+        &soup.starts,
+        &soup.lines,
+        &soup.texture_corners,
+        &soup.normal_corners,
+        &soup.polygon_groups,
+        &soup.polygon_materials,
+    ];
+    24 * (soup.positions.capacity() + soup.normals.capacity())
+        + 16 * soup.texture_coordinates.capacity()
+        + 4 * indices.iter().map(|array| array.capacity()).sum::<usize>()
+        + 24 * (soup.groups.capacity() + soup.materials.capacity())
+        + soup.groups.iter().chain(&soup.materials).map(String::capacity).sum::<usize>()
+}
+
+/// A binary STL of so many facets.
+fn binary_stl(facets: u32, header: &[u8]) -> Vec<u8> {
+    let mut bytes = header.to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend(facets.to_le_bytes());
+    bytes.extend((0..50 * facets).map(|i| i as u8));
+    bytes
+}
+
+#[test]
+fn content_decides_what_a_file_is() {
+    let cases: [(&[u8], Format); 20] = [
+        (b"v 0 0 0\n", Format::Obj),
+        (b"# long ago\n\n  f 1/2 2 3", Format::Obj),
+        (b"ply\nformat ascii 1.0\n", Format::Ply),
+        (b"ply\r\nformat ascii 1.0\r\n", Format::Ply),
+        (b"ply\rformat", Format::Ply),
+        (b"OFF\n3 1 0\n", Format::Off),
+        (b"# comment\n  COFF 3 1 0\n", Format::Off),
+        (b"STCNOFF\n", Format::Off),
+        (b"4OFF\n", Format::Off),
+        (b"nOFF\n4\n", Format::Off),
+        (b"8 6 12\n0 0 0\n", Format::Off),
+        (b"8 6\n-1.5 0 0\n", Format::Off),
+        (b"solid thing\n facet normal 0 0 1\n", Format::Stl),
+        (b"SOLID\nFACET", Format::Stl),
+        (&binary_stl(3, b"COLOR=..."), Format::Stl),
+        (&binary_stl(3, b"solid"), Format::Stl),
+        (&binary_stl(3, b"ply\nformat"), Format::Stl),
+        (b"glTF\x02\0\0\0", Format::Gltf),
+        (b"{\"asset\": {\"version\": \"2.0\"}}", Format::Gltf),
+        (b" \n{ \"scene\": 0, \"asset\": {}}", Format::Gltf),
+    ];
+    for (bytes, format) in cases {
+        assert_eq!(read::sniff(bytes), Some(format), "{:.40}", String::from_utf8_lossy(bytes));
     }
-    for face in soup.corners.chunks(3) {
-        writeln!(text, "f {} {} {}", face[0] + 1, face[1] + 1, face[2] + 1).unwrap();
+    let unknown: [&[u8]; 5] = [b"", b"# v 1 2 3\n", b"v one two three\n", b"1 2 3", b"OFFICE"];
+    for bytes in unknown {
+        assert_eq!(read::sniff(bytes), None, "{}", String::from_utf8_lossy(bytes));
     }
-    text
-}
-
-/// `text` with another line `number`, counted from 1.
-fn with_line(text: &str, number: usize, line: &str) -> String {
-    let mut lines = Vec::from_iter(text.lines());
-    lines[number - 1] = line;
-    lines.join("\n")
-}
-
-/// Three vertices and these lines: faces of them begin on line 4.
-fn after_three_vertices(lines: &str) -> String {
-    format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{lines}")
+    // Content wins over the name, and the name over nothing.
+    let text = reading_obj::sphere();
+    for name in ["ball.obj", "ball.ply", "ball", "ball.OFF", "a b/ü\".txt"] {
+        assert_eq!(outcome(name, text.as_bytes()), loads(42, 80));
+    }
+    assert_eq!(outcome("BALL.OFF", b"# nothing\n"), refused("no vertices, no faces"));
+    assert_eq!(outcome("ball.ply", b"# nothing\n"), refused("no PLY header"));
+    assert_eq!(outcome("ball.off", b"nothing\n"), refused("line 1: no OFF header"));
 }
 
 #[test]
 fn files_without_a_mesh_are_refused_by_name() {
-    let mut binary_stl = vec![b' '; 80];
-    binary_stl.extend(4u32.to_le_bytes());
-    binary_stl.extend([b'7'; 200]);
-    let noise = Vec::from_iter(noise(1).take(6000));
-    let cases: [(&[u8], &str); 22] = [
-        (b"", "the file is empty"),
-        (b"\n \n", "no vertices, no faces"),
-        (b"# nothing\r\n\r\n# here\r\n", "no vertices, no faces"),
-        (b"newmtl red\nKd 1 0 0\n", "no vertices, no faces"),
-        (b"f 1 2 3\nf 1 3 2\n", "no vertices, 2 faces"),
-        (
-            b"v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\np 1\n",
-            "no faces, only 3 vertices and 2 line or point elements",
-        ),
-        (b"v 0 0 0\n", "no faces, only 1 vertex"),
-        (b"v 0 0 0\nv 1 0 0\nf 1 2", "no faces, only 2 vertices and 1 incomplete face"),
-        (b"\n <!DOCTYPE html>\n<pre>\nf 1 2 3\nv 1 2\n", "not an OBJ file (looks like HTML)"),
-        (b"<?xml version=\"1.0\"?><COLLADA>", "not an OBJ file (looks like XML)"),
-        (b"{\"asset\": {\"version\": \"2.0\"}}", "not an OBJ file (looks like JSON)"),
-        (b"ply\nformat ascii 1.0\n", "not an OBJ file (looks like PLY)"),
-        (b"OFF\n3 1 0\n0 0 0\n", "not an OBJ file (looks like OFF)"),
-        (b"solid thing\n facet normal 0 0 1\n", "not an OBJ file (looks like STL)"),
-        (&binary_stl, "not an OBJ file (looks like STL)"),
-        (b"glTF\x02\0\0\0", "not an OBJ file (looks like GLB)"),
-        (b"PK\x03\x04....", "not an OBJ file (looks like a ZIP archive)"),
-        (b"\x1f\x8b\x08....", "not an OBJ file (looks like a gzip archive)"),
-        (b"\xff\xfev\0 \x000\0", "not an OBJ file (looks like text in UTF-16)"),
-        (
-            b"version https://git-lfs.github.com/spec/v1\n",
-            "not an OBJ file (looks like a Git LFS pointer)",
-        ),
-        (b"v 0 0 0\0\0\0\0", "not an OBJ file (looks like binary data)"),
-        (&noise, "not an OBJ file (looks like binary data)"),
+    let mut random = SplitMix64::new(1);
+    let noise = Vec::from_iter((0..6000).map(|_| random.next() as u8));
+    let not_read = |what| format!("not a mesh file that can be read (looks like {what})");
+    let cases: [(&[u8], &str); 23] = [
+        (b"\n <!DOCTYPE html>\n<pre>\nf 1 2 3\nv 1 2\n", "HTML"),
+        (b"<html lang=\"de\">", "HTML"),
+        (b"<?xml version=\"1.0\"?><COLLADA>", "XML"),
+        (b"{\"v\": 1}", "JSON"),
+        (b"PK\x03\x04....", "a ZIP archive"),
+        (b"PK\x03\x04....3D/3dmodel.model..", "3MF"),
+        (b"\x1f\x8b\x08....", "a gzip archive"),
+        (b"7z\xbc\xaf\x27\x1c", "a 7-Zip archive"),
+        (b"%PDF-1.7\n", "PDF"),
+        (b"\x89PNG\r\n", "a picture"),
+        (b"\xff\xd8\xff\xe0", "a picture"),
+        (b"ISO-10303-21;\n", "STEP"),
+        (b"Kaydara FBX Binary  \0", "FBX"),
+        (b"; FBX 7.3.0 project file\n", "FBX"),
+        (b"BLENDER-v300", "a Blender file"),
+        (b"\xff\xfev\0 \x000\0", "text in UTF-16"),
+        (b"version https://git-lfs.github.com/spec/v1\n", "a Git LFS pointer"),
+        (b"#VRML V2.0 utf8\n", "VRML"),
+        (b"v 0 0 0\0\0\0\0", "binary data"),
+        (&noise, "binary data"),
+        (b"7z\xbc\xaf", "a 7-Zip archive"),
+        (b"BZh9", "a bzip2 archive"),
+        (b"Rar!\x1a\x07", "a RAR archive"),
     ];
-    for (bytes, text) in cases {
-        assert_eq!(
-            outcome(bytes),
-            refused(text),
-            "{}",
-            String::from_utf8_lossy(&bytes[..bytes.len().min(40)])
-        );
-    }
-}
-
-#[test]
-fn coordinates_that_are_no_finite_numbers_are_refused_with_their_line() {
-    let cases = [
-        ("v -0,525731 0,850651 0,000000", "-0,525731 is not a number (decimal comma?)"),
-        ("v 0, 1, 2", "0, is not a number (decimal comma?)"),
-        ("v 1 2 x", "x is not a number"),
-        ("v 1 2 1d5", "1d5 is not a number"),
-        ("v 1 2 \u{1b}[31m", "\u{fffd}[31m is not a number"),
-        ("v", "vertex with 0 of 3 coordinates"),
-        ("v 1 2", "vertex with 2 of 3 coordinates"),
-        ("v 1 # 2 3", "vertex with 1 of 3 coordinates"),
-        ("v nan 0.1 0.2", "coordinate nan is not a finite number"),
-        ("v 0 -nan 0.2", "coordinate -nan is not a finite number"),
-        ("v 0 0 -Infinity", "coordinate -Infinity is not a finite number"),
-        ("v 0 0 -1.#IND", "coordinate -1.#IND is not a finite number"),
-        ("v 1e400 0 0", "coordinate 1e400 is not a finite number"),
-        ("v 0 -1e39 0", "coordinate -1e39 is too large (more than 3.4e38)"),
-    ];
-    for (line, text) in cases {
-        let file = with_line(&sphere(), 11, line);
-        assert_eq!(outcome(file.as_bytes()), refused(&format!("line 11: {text}")));
-    }
-}
-
-#[test]
-fn a_long_word_is_quoted_in_part() {
-    let file = format!("v {} 0 0\n", "x".repeat(100_000));
-    let error = obj::read(file.as_bytes()).unwrap_err();
-    assert_eq!(error.fault, ReadFault::NotANumber { text: "x".repeat(40) + "…" });
-}
-
-#[test]
-fn coordinates_are_read_as_the_nearest_number() {
-    let (soup, _) = read(
-        "v 0.1 -.5 5.\nv +1e-3 1E2 -0\nv 0.30000000000000004 123456789.123456789 1e-400\nf 1 2 3",
-    );
-    let expected = [[0.1, -0.5, 5.0], [1e-3, 100.0, 0.0], [0.1 + 0.2, 123_456_789.123_456_79, 0.0]];
-    assert_eq!(soup.positions, expected);
-    let many_digits = format!("v 0.{}1 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3", "0".repeat(1_000_000));
-    assert_eq!(outcome(many_digits.as_bytes()), loads(3, 1));
-}
-
-#[test]
-fn vertices_out_of_range_are_refused_with_line_and_count() {
-    let cases = [
-        ("f 1 999 3", "vertex 999 of 42"),
-        ("f 1 43 3", "vertex 43 of 42"),
-        ("f 0 2 3", "vertex 0 of 42"),
-        ("f -0 2 3", "vertex -0 of 42"),
-        ("f 1 2 -43", "vertex -43 of 42"),
-        ("f 1 2 4294967295", "vertex 4294967295 of 42"),
-        ("f 1 2 4294967296", "vertex 4294967296 of 42"),
-        ("f 1 2 99999999999999999999", "vertex 99999999999999999999 of 42"),
-        ("f 1 2 -99999999999999999999", "vertex -99999999999999999999 of 42"),
-        ("f a b c", "a is not a face corner"),
-        ("f 1.0 2.0 3.0", "1.0 is not a face corner"),
-        ("f 1/x 2 3", "1/x is not a face corner"),
-        ("f /1 /2 /3", "/1 is not a face corner"),
-        ("f 1 2 -", "- is not a face corner"),
-    ];
-    for (line, text) in cases {
-        let file = with_line(&sphere(), 51, line);
-        assert_eq!(outcome(file.as_bytes()), refused(&format!("line 51: {text}")));
-    }
-}
-
-#[test]
-fn of_several_bad_indices_the_first_in_the_file_is_named() {
-    let file = with_line(&sphere(), 60, "f 0 1 2");
-    let file = with_line(&file, 70, "f 1 2 77777777777777");
-    assert_eq!(outcome(file.as_bytes()), refused("line 60: vertex 0 of 42"));
-    let file = with_line(&file, 55, "f 1 2 43");
-    assert_eq!(outcome(file.as_bytes()), refused("line 55: vertex 43 of 42"));
-    // An incomplete face is left out before its indices matter.
-    let file = with_line(&sphere(), 60, "f 0 1");
-    assert_eq!(
-        outcome(file.as_bytes()),
-        loads_with(42, 79, "line 60: face with 2 corners ignored")
-    );
-}
-
-#[test]
-fn relative_indices_count_backwards_from_where_they_stand() {
-    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nf -3/-2 -2/-1 -1/1\n\
-                v 5 0 0\nv 6 0 0\nv 5 1 0\nvt .5 .5\nf -3/-1 -2/-1 -1/-1\n";
-    let (soup, notices) = read(text);
-    assert!(notices.is_empty());
-    assert_eq!(soup.corners, [0, 1, 2, 3, 4, 5]);
-    assert_eq!(soup.texture_corners, [0, 1, 0, 2, 2, 2]);
-    assert_eq!(soup.lines, [6, 11]);
-    // Relative indices cannot reach forward, absolute ones can.
-    assert_eq!(
-        outcome(b"v 0 0 0\nf -1 -2 -3\nv 1 0 0\nv 0 1 0\n"),
-        refused("line 2: vertex -2 of 1")
-    );
-    assert_eq!(outcome(b"f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"), loads(3, 1));
-}
-
-#[test]
-fn corner_forms_may_be_mixed_and_texture_is_kept_by_corner() {
-    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0 0.5\nvt 0.25\nvn 0 0 1\n\
-                f 1 2 3\nf 1/1 3/3 4/2\nf 2//1 3//1 4//1\nf 1/3/1 2 3/2/ 4/ \n";
-    let (soup, notices) = read(text);
-    assert!(notices.is_empty());
-    const NO: u32 = u32::MAX;
-    assert_eq!(soup.texture_coordinates, [[0.0, 0.0], [1.0, 0.0], [0.25, 0.0]]);
-    assert_eq!(soup.texture_corners, [NO, NO, NO, 0, 2, 1, NO, NO, NO, 2, NO, 1, NO]);
-    assert_eq!(soup.polygon(3), [0, 1, 2, 3]);
-}
-
-#[test]
-fn texture_coordinates_out_of_range_are_passed_over() {
-    let text = after_three_vertices("vt 0 0\nf 1/1 2/77/88 3/1\nf 1/-2 2/0 3/1\n");
-    let (soup, notices) = read(&text);
-    const NO: u32 = u32::MAX;
-    assert_eq!(soup.texture_corners, [0, NO, 0, NO, NO, 0]);
-    let kind = ReadNoticeKind::TextureOutOfRange { index: "77".into(), texture_coordinates: 1 };
-    assert_eq!(notices, [ReadNotice { kind, count: 3, first_line: 5 }]);
-    assert_eq!(notices[0].to_string(), "line 5: vt 77 of 1, ignored (and 2 more)");
-
-    let (soup, notices) = read(&after_three_vertices("f 1/1 2/1 3/-1\n"));
-    assert!(soup.texture_corners.is_empty(), "no vt line, no texture");
-    assert_eq!(notices[0].to_string(), "line 4: vt 1 of 0, ignored (and 2 more)");
-
-    let (soup, notices) = read(&after_three_vertices("vt nan 0\nvt 1 1\nvt\nf 1/1 2/2 3/3\n"));
-    assert_eq!(soup.texture_corners, [NO, 1, NO]);
-    assert_eq!(notices[0].to_string(), "line 4: vt is not a number, ignored (and 1 more)");
-}
-
-#[test]
-fn a_last_line_cut_short_is_passed_over() {
-    let whole = sphere();
-    let last = whole.trim_end().rfind(' ').unwrap();
-    assert_eq!(
-        outcome(&whole.as_bytes()[..last]),
-        loads_with(42, 79, "line 122: face with 2 corners ignored")
-    );
-    for end in 0..whole.len() {
-        // Refused or loaded, but never a panic.
-        outcome(&whole.as_bytes()[..end]);
-    }
-}
-
-#[test]
-fn all_forms_of_the_text_give_the_same_mesh() {
-    let plain = sphere();
-    let (expected, _) = read(&plain);
-    let long_blank = " ".repeat(100_000);
-    let variants = [
-        plain.replace('\n', "\r\n"),
-        plain.replace('\n', "\r"),
-        plain.trim_end().to_owned(),
-        format!("\u{feff}{plain}"),
-        plain.replace(' ', "\t"),
-        plain.replace("\nf", "\n \t f"),
-        plain.replace("\nf ", "\nF ").replace("\nv ", "\nV "),
-        plain.replace('\n', " # comment 1 2 3\n"),
-        plain.replace('\n', " \n"),
-        plain.replacen("\nf ", &format!("\nf {long_blank}"), 1),
-    ];
-    for text in variants {
-        let (soup, notices) = read(&text);
-        assert_eq!((soup, notices), (expected.clone(), Vec::new()), "{:.60}", text);
-    }
-    // These have more lines, so that only the line numbers differ.
-    let variants = [
-        plain.replace("\nf ", "\nf \\\n"),
-        plain.replace("\nf ", "\nf\\\r\n"),
-        plain.replace('\n', "\n\n"),
-        format!("# Übung 形状 \\\n# {}\no Körper Ä\n{plain}", "x".repeat(100_000)),
-        format!(
-            "mtllib C:\\my files\\\nusemtl\ns off\ng a b\ncstype bezier\nvp 1 2\n{plain}l 1 2\np 1\n"
-        ),
-        // A latin-1 name is no UTF-8.
-        format!("call me\ncurv2 1 2 \\\n 3 4\n{plain}end\n\u{1a}"),
-    ];
-    for text in variants {
-        let (mut soup, notices) = read(&text);
-        assert!(soup.lines.iter().zip(&expected.lines).all(|(a, b)| a >= b));
-        soup.lines.clone_from(&expected.lines);
-        assert_eq!((soup, notices), (expected.clone(), Vec::new()), "{:.60}", text);
-    }
-    let mut latin1 = b"o K\xf6rper\n".to_vec();
-    latin1.extend(plain.bytes());
-    assert_eq!(outcome(&latin1), loads(42, 80));
-}
-
-#[test]
-fn a_weight_or_a_colour_after_the_coordinates_is_ignored() {
-    let text = sphere().replace("\nv ", " 1.0\nv ").replacen(
-        "v 0",
-        "v 0.25 0.5 0.75 0.2 0.4 0.9 \\\n1 #",
-        1,
-    );
-    assert_eq!(outcome(text.as_bytes()), loads(42, 80));
-}
-
-#[test]
-fn a_polygon_may_have_any_number_of_corners() {
-    let mut text = String::new();
-    let mut face = String::from("f");
-    for i in 0..100_000 {
-        writeln!(text, "v {} {} 0", f64::from(i).sin(), f64::from(i).cos()).unwrap();
-        write!(face, " {}", i + 1).unwrap();
-    }
-    let (soup, _) = read(&(text + &face));
-    assert_eq!((soup.polygon_count(), soup.polygon(0).len()), (1, 100_000));
-}
-
-#[test]
-fn no_bytes_make_the_reader_panic() {
-    let words: [&[u8]; 24] = [
-        b"v ",
-        b"vt ",
-        b"vn ",
-        b"f ",
-        b"f",
-        b"l ",
-        b"0",
-        b"1",
-        b"-1",
-        b"2/3",
-        b"//",
-        b"/",
-        b"1e9",
-        b"nan",
-        b" ",
-        b"\t",
-        b"\n",
-        b"\n",
-        b"\r",
-        b"\\",
-        b"#",
-        b"\xff",
-        b"\n",
-        b"f 1 2 3\nv 1 2 3\n",
-    ];
-    let mut noise = noise(7);
-    for _ in 0..20_000 {
-        let mut text = Vec::new();
-        for _ in 0..noise.next().unwrap_or(0) % 64 {
-            text.extend(words[usize::from(noise.next().unwrap_or(0)) % words.len()]);
+    for (bytes, what) in cases {
+        for name in ["thing.obj", "thing.off", "thing"] {
+            assert_eq!(outcome(name, bytes), refused(&not_read(what)), "{what}");
         }
-        outcome(&text);
-    }
-    let sphere = sphere().into_bytes();
-    for _ in 0..2_000 {
-        let mut text = sphere.clone();
-        for _ in 0..1 + noise.next().unwrap_or(0) % 8 {
-            let pick = noise.by_ref().take(2).fold(0, |sum, b| sum << 8 | usize::from(b));
-            text[pick % sphere.len()] = noise.next().unwrap_or(0);
+        let advice = read::read("x.ply", bytes).unwrap_err().fault.advice();
+        for format in ["OBJ", "PLY", "STL", "OFF", "glTF"] {
+            assert!(advice.contains(format), "{advice}");
         }
-        outcome(&text);
     }
+    for name in ["thing.obj", "thing.ply", "thing.stl", "thing.off", "thing.glb", "thing"] {
+        assert_eq!(outcome(name, b""), refused("the file is empty"));
+    }
+    assert_eq!(outcome("list.xyz", b"0 0 0\n1 1 1\n"), refused(&not_read("text")));
 }
 
-/// Bytes of a small generator: the same ones each time.
-fn noise(seed: u64) -> impl Iterator<Item = u8> {
-    let mut state = seed;
-    std::iter::repeat_with(move || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        state.to_be_bytes()[0]
-    })
+/// Reads damaged copies of good files: any panic, overflow or lack of memory fails.
+fn survives(mutants: u64, files: &[Vec<u8>], read: impl Fn(&[u8]) -> Result<Content, ReadError>) {
+    let mut loaded = 0;
+    for seed in 0..mutants {
+        let file = &files[seed as usize % files.len()];
+        let mutant = mutate(seed, file);
+        read::sniff(&mutant);
+        if let Outcome::Loads(..) = outcome_of(&read(&mutant), mutant.len()) {
+            loaded += 1;
+        }
+    }
+    eprintln!("{loaded} of {mutants} mutants of {} files load", files.len());
+    // Otherwise the damage is so heavy that it tests the first lines only.
+    assert!(loaded > mutants / 50 && loaded < mutants, "{loaded} of {mutants}");
+}
+
+#[test]
+fn damaged_obj_files_are_read_or_refused() {
+    survives(2000, &reading_obj::good_files(), read::obj::read);
+}
+
+#[test]
+fn damaged_ply_files_are_read_or_refused() {
+    survives(2000, &reading_ply::good_files(), read::ply::read);
+}
+
+#[test]
+fn damaged_off_files_are_read_or_refused() {
+    survives(2000, &reading_off::good_files(), read::off::read);
+}
+
+#[test]
+#[ignore = "a million mutants: minutes"]
+fn a_million_damaged_obj_files_are_read_or_refused() {
+    survives(1_000_000, &reading_obj::good_files(), read::obj::read);
+}
+
+#[test]
+#[ignore = "a million mutants: minutes"]
+fn a_million_damaged_ply_files_are_read_or_refused() {
+    survives(1_000_000, &reading_ply::good_files(), read::ply::read);
+}
+
+#[test]
+#[ignore = "a million mutants: minutes"]
+fn a_million_damaged_off_files_are_read_or_refused() {
+    survives(1_000_000, &reading_off::good_files(), read::off::read);
 }
 
 // The collection beside the checkout.
@@ -420,11 +257,13 @@ fn shared(folder: &str) -> Option<PathBuf> {
     Some(path)
 }
 
-fn obj_files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+/// The files of a folder in these formats, by name.
+fn files(folder: &Path, extensions: &[&str]) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
     for entry in folder.read_dir().unwrap() {
         let path = entry.unwrap().path();
-        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        if extensions.iter().any(|e| extension == **e) {
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
             files.insert(name, std::fs::read(&path).unwrap());
         }
@@ -438,8 +277,8 @@ fn each_hostile_file_has_its_expected_outcome() {
     let mut expected = BTreeMap::from([
         ("empty.obj", refused("the file is empty")),
         ("comments-only.obj", refused("no vertices, no faces")),
-        ("html.obj", refused("not an OBJ file (looks like HTML)")),
-        ("random-bytes.obj", refused("not an OBJ file (looks like binary data)")),
+        ("html.obj", refused("not a mesh file that can be read (looks like HTML)")),
+        ("random-bytes.obj", refused("not a mesh file that can be read (looks like binary data)")),
         ("truncated.obj", loads_with(162, 200, "line 363: face with 1 corner ignored")),
         ("nan-coord.obj", refused("line 11: coordinate nan is not a finite number")),
         ("overflow-coord.obj", refused("line 21: coordinate 1e400 is not a finite number")),
@@ -451,7 +290,14 @@ fn each_hostile_file_has_its_expected_outcome() {
         ("all-collinear.obj", loads(64, 98)),
         ("index-out-of-range.obj", refused("line 51: vertex 999 of 42")),
         ("negative-indices.obj", loads(54, 83)),
-        ("mixed-refs.obj", loads_with(6, 4, "line 14: vt 77 of 3, ignored")),
+        (
+            "mixed-refs.obj",
+            Outcome::Loads(
+                6,
+                4,
+                vec!["line 14: vt 77 of 3, ignored".into(), "line 14: vn 88 of 1, ignored".into()],
+            ),
+        ),
         ("nonmanifold-edge.obj", loads(5, 3)),
         ("fin-on-sphere.obj", loads(43, 81)),
         ("bowtie-vertex.obj", loads(5, 2)),
@@ -478,38 +324,34 @@ fn each_hostile_file_has_its_expected_outcome() {
         ("continuation-colours.obj", loads(42, 80)),
         ("lines-only.obj", refused("no faces, only 3 vertices and 2 line or point elements")),
         ("UPPER.OBJ", loads(42, 80)),
+        ("truncated.ply", refused("ends early: 126 of 320 faces")),
+        ("huge-count.ply", refused("ends early: 10 of 4000000000 vertices")),
+        ("huge-list.ply", refused("ends early: 0 of 1 faces")),
+        ("no-end-header.ply", refused("header has no end_header")),
+        ("inf-coord.ply", refused("vertex 5: coordinate inf is not a finite number")),
+        ("index-out-of-range.ply", refused("face 3: vertex -1 of 42")),
+        ("odd-big-endian.ply", loads(42, 80)),
+        ("crlf-header.ply", loads(42, 80)),
+        ("ascii-one-line.ply", loads(42, 80)),
+        ("tristrips.ply", loads(60, 90)),
+        ("point-cloud.ply", refused("no faces (point cloud)")),
+        // What it holds is STL.
+        ("stl-named.ply", loads_with(162, 320, "960 corners at 162 places")),
+        ("truncated.off", refused("ends early: 30 of 42 vertices")),
+        ("variants.off", loads(8, 6)),
     ]);
-    for (name, bytes) in obj_files(&folder) {
+    for (name, bytes) in files(&folder, &["obj", "ply", "off"]) {
         let expected =
             expected.remove(&*name).unwrap_or_else(|| panic!("{name} is not in the table"));
-        assert_eq!(outcome(&bytes), expected, "{name}");
+        assert_eq!(outcome(&name, &bytes), expected, "{name}");
     }
     assert!(expected.is_empty(), "not in the folder: {expected:?}");
 }
 
 #[test]
-fn meshes_in_other_formats_are_named() {
-    let Some(folder) = shared("meshes") else { return };
-    for (name, looks_like) in [
-        ("koala.stl", "STL"),
-        ("nefertiti.ply", "PLY"),
-        ("fertility.off", "OFF"),
-        ("milk-truck.glb", "GLB"),
-        ("bad/ascii-two-solids.stl", "STL"),
-        ("bad/solid-binary.stl", "STL"),
-        ("bad/random-bytes.stl", "binary data"),
-        ("bad/variants.off", "OFF"),
-    ] {
-        let error = obj::read(&std::fs::read(folder.join(name)).unwrap()).unwrap_err();
-        let expected = ReadError { line: None, fault: ReadFault::NotObj { looks_like } };
-        assert_eq!(error, expected, "{name}");
-    }
-}
-
-#[test]
 fn the_good_meshes_load_with_their_counts() {
     let Some(folder) = shared("meshes") else { return };
-    let files = obj_files(&folder);
+    let files = files(&folder, &["obj", "ply", "off"]);
     for (name, vertices, faces) in [
         ("spot.obj", 2930, 5856),
         ("spot-control.obj", 188, 180),
@@ -527,12 +369,24 @@ fn the_good_meshes_load_with_their_counts() {
         ("torus.obj", 4608, 9216),
         ("double-torus.obj", 5644, 11292),
         ("chair.obj", 7020, 14044),
+        ("nefertiti.ply", 35002, 70000),
+        ("igea.ply", 134_345, 268_686),
+        ("fertility.off", 4494, 9000),
     ] {
-        assert_eq!(outcome(&files[name]), loads(vertices, faces), "{name}");
+        assert_eq!(outcome(name, &files[name]), loads(vertices, faces), "{name}");
     }
-    let (spot, _) = obj::read(&files["spot.obj"]).unwrap();
+    let spot = read::read("spot.obj", &files["spot.obj"]).unwrap().soup;
     assert_eq!(spot.texture_coordinates.len(), 3225);
     assert!(spot.texture_corners.iter().all(|&t| t != u32::MAX));
+    let nefertiti = read::read("nefertiti.ply", &files["nefertiti.ply"]).unwrap().soup;
+    assert_eq!(nefertiti.normals.len(), 35002);
+    let length = |n: &[f64; 3]| n.iter().map(|x| x * x).sum::<f64>().sqrt();
+    // Unit normals, in the digits of `f32`.
+    assert!(nefertiti.normals.iter().all(|n| (length(n) - 1.0).abs() < 1e-5));
+    assert_eq!(nefertiti.normal_corners, nefertiti.corners);
+    let control = read::read("spot-control.obj", &files["spot-control.obj"]).unwrap().soup;
+    assert_eq!(control.polygon_groups.len(), 180);
+    assert_eq!(control.polygon_materials.len(), 180);
 }
 
 /// All triangles of a soup, face by face.
@@ -559,7 +413,7 @@ fn polygons_of_files_become_all_their_triangles() {
         ("bad/concave-ngons.obj", 102),
         ("bad/nonplanar-ngons.obj", 12),
     ] {
-        let (soup, _) = obj::read(&std::fs::read(folder.join(name)).unwrap()).unwrap();
+        let soup = read::read(name, &std::fs::read(folder.join(name)).unwrap()).unwrap().soup;
         let faces = triangles_of_faces(&soup);
         assert_eq!(faces.iter().map(Vec::len).sum::<usize>(), triangles, "{name}");
         for (i, face) in faces.iter().enumerate() {
@@ -576,7 +430,8 @@ fn polygons_of_files_become_all_their_triangles() {
 #[test]
 fn concave_polygons_of_a_file_have_their_exact_areas() {
     let Some(folder) = shared("meshes/bad") else { return };
-    let (soup, _) = obj::read(&std::fs::read(folder.join("concave-ngons.obj")).unwrap()).unwrap();
+    let bytes = std::fs::read(folder.join("concave-ngons.obj")).unwrap();
+    let soup = read::read("concave-ngons.obj", &bytes).unwrap().soup;
     // The areas in the head of the file, to their six digits.
     for (face, expected) in triangles_of_faces(&soup).iter().zip([0.759297, 5.11, 1.231161, 1.2]) {
         let areas = Vec::from_iter(face.iter().map(|&t| signed_area_xy(&soup, t)));

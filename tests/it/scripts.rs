@@ -1,6 +1,6 @@
 //! Sessions driven by commands, as page and command line drive them.
 
-use cutflow::mesh::obj;
+use cutflow::mesh::read::{Content, obj};
 use cutflow::session::{Command, Event, Session, Value};
 
 fn errors(events: &[Event]) -> Vec<String> {
@@ -91,8 +91,8 @@ fn open_run_pause_step_export() {
     // The file's vertices come back first, untouched, the unused one included.
     let file = session.export("UV mesh (OBJ)").unwrap();
     assert_eq!(file.name, "ball-uv.obj");
-    let (input, _) = obj::read(text.as_bytes()).unwrap();
-    let (output, notices) = obj::read(&file.bytes).unwrap();
+    let input = obj::read(text.as_bytes()).unwrap().soup;
+    let Content { soup: output, notices, .. } = obj::read(&file.bytes).unwrap();
     assert!(notices.is_empty());
     assert_eq!(output.positions[..input.positions.len()], input.positions[..]);
     assert!(output.positions.len() > input.positions.len());

@@ -1,7 +1,8 @@
 //! Surfaces for tests: the zoo, and files of the shared folder where it is at hand.
 
 use cutflow::geometry::{Geometry, polygon};
-use cutflow::mesh::{Mesh, Soup, obj};
+use cutflow::mesh::read::obj;
+use cutflow::mesh::{Mesh, Soup};
 use cutflow::session::samples;
 
 /// A mesh of unit area.
@@ -48,7 +49,7 @@ impl Surface {
         let path = format!("{}/../shared/meshes/{name}", env!("CARGO_MANIFEST_DIR"));
         #[expect(clippy::disallowed_methods, reason = "tests read their files")]
         match std::fs::read(&path) {
-            Ok(bytes) => Some(Self::from_soup(name, &obj::read(&bytes).unwrap().0)),
+            Ok(bytes) => Some(Self::from_soup(name, &obj::read(&bytes).unwrap().soup)),
             Err(_) => {
                 // Straight to the terminal: what a passing test prints is not shown.
                 let text = format!("SKIPPED: {name} needs ../shared/meshes, which is not there\n");

@@ -31,7 +31,7 @@ pub(super) fn push(array: &mut Vec<u32>, value: u32, length: usize, room: usize)
 ///
 /// **Gives** the first corner out of range with its index, and the number of such corners.
 pub(super) fn settle<const N: usize>(
-    values: &mut Vec<[f64; N]>,
+    values: &mut [[f64; N]],
     corners: &mut Vec<u32>,
 ) -> Option<(usize, u32, usize)> {
     let mut first = None;

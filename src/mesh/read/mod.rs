@@ -34,12 +34,7 @@ use super::Soup;
 /// **Fails** with the first fault in the file.
 /// **Costs** time linear in `bytes.len()`.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Content, ReadError> {
-    if bytes.is_empty() {
-        return Err(ReadFault::Empty.anywhere());
-    }
-    if u32::try_from(bytes.len()).is_err() {
-        return Err(ReadFault::TooLong { bytes: bytes.len() }.anywhere());
-    }
+    check_length(bytes)?;
     match detect::detect(name, bytes)? {
         Format::Obj => obj::read(bytes),
         Format::Ply => ply::read(bytes),
@@ -350,6 +345,17 @@ fn prefix(place: Place) -> String {
         Place::File => String::new(),
         place => format!("{place}: "),
     }
+}
+
+/// Whether there is something to read, and not more than 32 bits can count.
+fn check_length(bytes: &[u8]) -> Result<(), ReadError> {
+    if bytes.is_empty() {
+        return Err(ReadFault::Empty.anywhere());
+    }
+    if u32::try_from(bytes.len()).is_err() {
+        return Err(ReadFault::TooLong { bytes: bytes.len() }.anywhere());
+    }
+    Ok(())
 }
 
 /// Adds one to a notice, made when it is the first.

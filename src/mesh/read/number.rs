@@ -143,6 +143,7 @@ fn shorten(word: &[u8], longest: usize) -> String {
 }
 
 #[cfg(test)]
+#[expect(clippy::cast_possible_truncation, reason = "random numbers, cut to size")]
 mod tests {
     use super::*;
 

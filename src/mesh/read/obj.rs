@@ -10,7 +10,8 @@ use super::attributes::{self, NONE, Names};
 use super::number::{coordinate, quote};
 use super::words::{Words, is_blank};
 use super::{
-    Content, Format, Place, ReadError, ReadFault, ReadNotice, note, note_incomplete_face, to_u32,
+    Content, Format, Place, ReadError, ReadFault, ReadNotice, check_length, note,
+    note_incomplete_face, to_u32,
 };
 use crate::mesh::Soup;
 
@@ -30,12 +31,7 @@ const BAD: u32 = u32::MAX - 1;
 /// **Fails** with the first fault in the file; indices are checked last, when all vertices are known.
 /// **Costs** time linear in `bytes.len()`.
 pub fn read(bytes: &[u8]) -> Result<Content, ReadError> {
-    if bytes.is_empty() {
-        return Err(ReadFault::Empty.anywhere());
-    }
-    if u32::try_from(bytes.len()).is_err() {
-        return Err(ReadFault::TooLong { bytes: bytes.len() }.anywhere());
-    }
+    check_length(bytes)?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut reader = Reader::with_room_for(bytes);
     let mut words = Words::new(bytes);

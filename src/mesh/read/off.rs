@@ -7,7 +7,8 @@ use super::attributes;
 use super::number::{coordinate, quote, whole};
 use super::words::Words;
 use super::{
-    Content, Format, Place, ReadError, ReadFault, ReadNotice, note, note_incomplete_face, to_u32,
+    Content, Format, Place, ReadError, ReadFault, ReadNotice, check_length, note,
+    note_incomplete_face, to_u32,
 };
 use crate::mesh::Soup;
 
@@ -41,12 +42,7 @@ fn prefixes(word: &[u8]) -> Option<[bool; 5]> {
 /// **Fails** with the first fault in the file: coordinates of four or more dimensions and the binary form among them.
 /// **Costs** time linear in `bytes.len()`.
 pub fn read(bytes: &[u8]) -> Result<Content, ReadError> {
-    if bytes.is_empty() {
-        return Err(ReadFault::Empty.anywhere());
-    }
-    if u32::try_from(bytes.len()).is_err() {
-        return Err(ReadFault::TooLong { bytes: bytes.len() }.anywhere());
-    }
+    check_length(bytes)?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut words = Words::new(bytes);
     let keyword = keyword(&mut words)?;
@@ -122,9 +118,9 @@ impl Reader {
         let Soup { positions, normals, texture_coordinates, .. } = &mut self.soup;
         // The shortest vertex is `0 0 0` and the end of its line.
         let room = usize::try_from(promised).unwrap_or(usize::MAX).min(words.left() / 6 + 1);
-        positions.reserve_exact(room);
-        normals.reserve_exact(if keyword.has_normals { room } else { 0 });
-        texture_coordinates.reserve_exact(if keyword.has_texture { room } else { 0 });
+        positions.reserve(room);
+        normals.reserve(if keyword.has_normals { room } else { 0 });
+        texture_coordinates.reserve(if keyword.has_texture { room } else { 0 });
         let [broken_texture, broken_normal] = &mut self.broken;
         for found in 0..promised {
             let ends_early = ReadFault::EndsEarly { what: "vertices", found, promised };
@@ -175,8 +171,8 @@ impl Reader {
         let Soup { corners, starts, lines, .. } = &mut self.soup;
         // The shortest face that is kept is `3 0 0 0` and the end of its line.
         let room = usize::try_from(promised).unwrap_or(usize::MAX).min(words.left() / 8 + 1);
-        lines.reserve_exact(room);
-        starts.reserve_exact(room + 1);
+        lines.reserve(room);
+        starts.reserve(room + 1);
         starts.push(0);
         let mut incomplete = None;
         for found in 0..promised {

@@ -286,6 +286,19 @@ impl CutFlow {
         self.state.cut.refine(&self.problem.mesh, &self.problem.frames)
     }
 
+    /// The same cut on another triangulation of the same surface with the same vertices: where its level sets, linear along
+    /// *those* edges, change sign.
+    ///
+    /// **Differs** from [`CutFlow::cut_mesh`] by the order of an edge squared, and only where the edges differ.
+    pub fn cut_mesh_on(&self, mesh: &Mesh, geometry: &Geometry) -> CutMesh {
+        let frames = Frames::new(mesh, geometry);
+        let levels = &self.state.levels;
+        let difference = |v, lower, upper| levels.difference(v, lower, upper);
+        let mut edge_crossings = vec![NONE; mesh.edge_count()];
+        Cut::find(mesh, &frames, &levels.labels, difference, &mut edge_crossings)
+            .refine(mesh, &frames)
+    }
+
     /// The factor of the cut surface's Laplacian over the mesh's vertices (identity rows where u = 0 is prescribed).
     pub fn factor(&mut self) -> &mut Factor {
         self.state.solution.factor()

@@ -96,13 +96,11 @@ pub(super) struct Header<'a> {
 impl<'a> Header<'a> {
     /// The header of a file. Its first line shows how all its lines end: LF, CRLF or CR.
     pub(super) fn read(bytes: &'a [u8]) -> Result<Self, ReadError> {
-        let ends_with_cr = match bytes {
-            [b'p', b'l', b'y', rest @ ..] => {
-                let end = rest.iter().position(|b| matches!(b, b'\r' | b'\n'));
-                end.is_some_and(|i| rest[i] == b'\r' && rest.get(i + 1) != Some(&b'\n'))
-            }
-            _ => return Err(ReadFault::NoHeader { format: Format::Ply }.anywhere()),
-        };
+        let end = bytes.iter().position(|b| matches!(b, b'\r' | b'\n')).unwrap_or(bytes.len());
+        if bytes[..end].trim_ascii_end() != b"ply" {
+            return Err(ReadFault::NoHeader { format: Format::Ply }.anywhere());
+        }
+        let ends_with_cr = bytes[end..].starts_with(b"\r") && !bytes[end..].starts_with(b"\r\n");
         let line_end = if ends_with_cr { b'\r' } else { b'\n' };
         let mut encoding = None;
         let mut elements: Vec<Element<'a>> = Vec::new();

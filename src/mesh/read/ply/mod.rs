@@ -12,7 +12,7 @@ use source::{Binary, Source, Stop, Text};
 
 use super::words::Words;
 use super::{
-    Content, Format, Place, ReadError, ReadFault, ReadNotice, attributes, note,
+    Content, Format, Place, ReadError, ReadFault, ReadNotice, attributes, check_length, note,
     note_incomplete_face, number, to_u32,
 };
 use crate::mesh::Soup;
@@ -36,12 +36,7 @@ const TEXTURE: [[&[u8]; 2]; 4] =
 /// **Fails** with the first fault in the file. Faces and vertices of binary files are named by number, from 0.
 /// **Costs** time linear in `bytes.len()`.
 pub fn read(bytes: &[u8]) -> Result<Content, ReadError> {
-    if bytes.is_empty() {
-        return Err(ReadFault::Empty.anywhere());
-    }
-    if u32::try_from(bytes.len()).is_err() {
-        return Err(ReadFault::TooLong { bytes: bytes.len() }.anywhere());
-    }
+    check_length(bytes)?;
     let header = Header::read(bytes)?;
     let bytes = header.body;
     match header.encoding {
@@ -168,9 +163,9 @@ impl Reader {
             }
         }));
         let room = room_for(source, element);
-        self.soup.positions.reserve_exact(room);
-        self.soup.normals.reserve_exact(if has_normals { room } else { 0 });
-        self.soup.texture_coordinates.reserve_exact(if texture.is_some() { room } else { 0 });
+        self.soup.positions.reserve(room);
+        self.soup.normals.reserve(if has_normals { room } else { 0 });
+        self.soup.texture_coordinates.reserve(if texture.is_some() { room } else { 0 });
         for i in 0..element.count {
             let mut position = [0.0; 3];
             let mut attributes = [0.0; 5];
@@ -230,9 +225,9 @@ impl Reader {
                 _ => Role::Skip,
             }));
         let room = if is_strips { 0 } else { room_for(source, element) };
-        self.soup.starts.reserve_exact(room);
-        self.soup.lines.reserve_exact(if source.line().is_some() { room } else { 0 });
-        self.soup.corners.reserve_exact((3 * room).min(source.left() / entry_size));
+        self.soup.starts.reserve(room);
+        self.soup.lines.reserve(if source.line().is_some() { room } else { 0 });
+        self.soup.corners.reserve((3 * room).min(source.left() / entry_size));
         for i in 0..element.count {
             let first = self.soup.corners.len();
             let mut line = None;
@@ -287,7 +282,7 @@ impl Reader {
         for _ in 0..n {
             let index = source.number(entry)?;
             // −1, or what is left of it in 32 bits without a sign, ends a strip.
-            if index == -1.0 || index == f64::from(u32::MAX) {
+            if [-1.0, f64::from(u32::MAX)].contains(&index) {
                 before = [None; 2];
                 is_turned = false;
                 continue;
@@ -345,6 +340,11 @@ impl Reader {
 }
 
 /// An index, if it names one of the vertices.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::float_cmp,
+    reason = "an index is a number that the cast does not change"
+)]
 #[inline]
 fn vertex(index: f64, vertices: u64) -> Result<u32, ReadFault> {
     let i = index as u32;

@@ -43,6 +43,11 @@ pub(super) trait Source {
     fn line(&self) -> Option<u32>;
 
     /// The next number, which must be a count of as many numbers as there can still be.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::float_cmp,
+        reason = "a count is a number that the cast does not change"
+    )]
     #[inline]
     fn list(&mut self, count: Scalar, entry: Scalar) -> Result<u64, Stop> {
         let x = self.number(count)?;

@@ -1,0 +1,144 @@
+//! The surface that methods work on, and what it has to do with the file that it came from.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
+use std::rc::Rc;
+
+use nalgebra::Vector3;
+
+use super::text::Problem;
+use crate::geometry::{Geometry, Intrinsic, UnitFrame, face_curvatures, without_slivers};
+use crate::mesh::{Mesh, Soup, Topology, VertexId};
+
+/// An oriented manifold of unit area.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// What errors call it.
+    pub name: String,
+    /// The file as it was read and repaired.
+    pub soup: Rc<Soup>,
+    /// For each vertex of the mesh its vertex of the file.
+    pub soup_vertices: Vec<u32>,
+    /// For each face the polygon of the file that it is a part of.
+    pub face_polygons: Vec<u32>,
+    /// Connectivity of the used vertices.
+    pub mesh: Mesh,
+    /// Its shape in numbers.
+    pub topology: Topology,
+    /// Measured at unit area.
+    pub geometry: Geometry,
+    /// From unit area back to the file.
+    pub frame: UnitFrame,
+    /// The same surface divided without slivers, where it has any: what methods solve on. Same vertices.
+    pub solving: Option<Intrinsic>,
+    /// Unit normals of the vertices.
+    pub vertex_normals: Vec<Vector3<f64>>,
+    /// Gaussian curvature at the vertices: mean over the faces.
+    pub vertex_curvatures: Vec<f64>,
+}
+
+impl Surface {
+    /// Measures triangles that are known to form an oriented manifold.
+    ///
+    /// **Takes** triangles over the soup's vertices, facing outwards, and their polygons. **Fails** if they do not, or have no extent.
+    pub fn new(
+        name: &str,
+        soup: Rc<Soup>,
+        mut triangles: Vec<[u32; 3]>,
+        face_polygons: Vec<u32>,
+    ) -> Result<Self, Problem> {
+        let soup_vertices = renumber(soup.positions.len(), &mut triangles);
+        let in_file = |v: usize| soup_vertices.get(v).map_or(v, |&s| s as usize);
+        let mesh = Mesh::new(soup_vertices.len(), &triangles)
+            .map_err(|error| Problem::mesh(name, &error, in_file))?;
+        let positions: Vec<[f64; 3]> =
+            soup_vertices.iter().map(|&v| soup.positions[v as usize]).collect();
+        let (geometry, frame) = Geometry::unit_area(&mesh, &positions)
+            .map_err(|error| Problem::geometry(name, &error, in_file))?;
+        let solving = without_slivers(&mesh, &geometry)
+            .map_err(|error| Problem::mesh(name, &error, in_file))?;
+        let (solved_mesh, solved) =
+            solving.as_ref().map_or((&mesh, &geometry), |s| (&s.mesh, &s.geometry));
+        let vertex_curvatures =
+            face_to_vertex(solved_mesh, solved, &face_curvatures(solved_mesh, solved));
+        let vertex_normals = geometry.vertex_normals(&mesh);
+        let topology = mesh.topology();
+        Ok(Self {
+            name: name.to_owned(),
+            soup,
+            soup_vertices,
+            face_polygons,
+            mesh,
+            topology,
+            geometry,
+            frame,
+            solving,
+            vertex_normals,
+            vertex_curvatures,
+        })
+    }
+
+    /// The mesh and the metric to solve on.
+    pub fn solving(&self) -> (&Mesh, &Geometry) {
+        match &self.solving {
+            Some(better) => (&better.mesh, &better.geometry),
+            None => (&self.mesh, &self.geometry),
+        }
+    }
+
+    /// The mesh's vertex of a vertex of the file.
+    pub fn mesh_vertex(&self, soup_vertex: usize) -> Option<VertexId> {
+        let wanted = u32::try_from(soup_vertex).ok()?;
+        self.soup_vertices.binary_search(&wanted).ok().map(VertexId::from)
+    }
+
+    /// The mesh's vertex of a vertex of the file, or of the next one that a face uses.
+    pub fn mesh_vertex_from(&self, soup_vertex: usize) -> Option<VertexId> {
+        if soup_vertex >= self.soup.positions.len() {
+            return None;
+        }
+        let next = self.soup_vertices.partition_point(|&v| (v as usize) < soup_vertex);
+        Some(VertexId::from(next.min(self.soup_vertices.len() - 1)))
+    }
+
+    /// Radius of the smallest ball about the origin that holds the surface, unit area.
+    pub fn radius(&self) -> f64 {
+        self.geometry.positions.iter().fold(0.0, |r: f64, p| r.max(p.coords.norm()))
+    }
+}
+
+/// Numbers the used vertices in the order of the file. **Gives** for each its old number.
+fn renumber(vertex_count: usize, triangles: &mut [[u32; 3]]) -> Vec<u32> {
+    let mut numbers = vec![u32::MAX; vertex_count];
+    for v in triangles.iter().flatten() {
+        numbers[*v as usize] = 0;
+    }
+    let mut old = Vec::new();
+    for (v, number) in numbers.iter_mut().enumerate().filter(|(_, n)| **n == 0) {
+        *number = old.len() as u32;
+        old.push(v as u32);
+    }
+    for v in triangles.iter_mut().flatten() {
+        *v = numbers[*v as usize];
+    }
+    old
+}
+
+/// Area-weighted mean of a face quantity at the vertices.
+pub(super) fn face_to_vertex(mesh: &Mesh, geometry: &Geometry, values: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; mesh.vertex_count()];
+    let mut areas = vec![0.0; mesh.vertex_count()];
+    for f in mesh.faces() {
+        let (value, area) = (values[f.index()], geometry.face_areas[f.index()]);
+        if value.is_finite() {
+            for v in mesh.face_vertices(f) {
+                sums[v.index()] += value * area;
+                areas[v.index()] += area;
+            }
+        }
+    }
+    sums.iter().zip(&areas).map(|(s, a)| if *a > 0.0 { s / a } else { f64::NAN }).collect()
+}
