@@ -19,6 +19,7 @@ mod reading;
 mod reading_obj;
 mod reading_off;
 mod reading_ply;
+mod reading_solids;
 mod scripts;
 mod surfaces;
 mod tidy;

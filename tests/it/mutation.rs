@@ -1,6 +1,6 @@
 //! Damage to files, the same each time: what the property tests of the readers feed on.
 //!
-//! A mutant has one to eight small injuries, half of all only one: bytes changed, parts cut out, repeated, moved or cut off,
+//! A mutant has one to eight small injuries, more than half of all only one: bytes changed, parts cut out, repeated, moved or cut off,
 //! numbers of text replaced by awkward ones, and words of four bytes by awkward counts and floats.
 
 /// A small generator of pseudo-random numbers: SplitMix64 (Steele, Lea, Flood 2014).

@@ -149,7 +149,8 @@ fn has_obj_lines(bytes: &[u8]) -> bool {
         if let Some(b"v" | b"V" | b"f" | b"F") = words.next() {
             let mut is_number = || {
                 words.next().is_some_and(|word| {
-                    matches!(word, [b'-' | b'+' | b'.' | b'0'..=b'9', ..] if word.iter().any(u8::is_ascii_digit))
+                    matches!(word[0], b'-' | b'+' | b'.' | b'0'..=b'9')
+                        && word.iter().any(u8::is_ascii_digit)
                 })
             };
             if is_number() && is_number() && is_number() {

@@ -246,9 +246,11 @@ impl ReadFault {
     pub fn advice(&self) -> &'static str {
         match self {
             Self::Empty => "Export or download the file again, or choose another one.",
-            Self::Unsupported { .. } => {
-                "Export the file again without this feature, or in another format (OBJ, PLY, STL, OFF, glTF)."
-            }
+            Self::Unsupported { feature } => gltf::extension_advice(feature).unwrap_or(
+                "Export the file again without this feature, or in another format (OBJ, PLY, STL, OFF, glTF).",
+            ),
+            Self::Stl(fault) => fault.advice(),
+            Self::Gltf(fault) => fault.advice(),
             Self::EndsEarly { .. } => {
                 "Export or download the file again: it is cut short, or its counts are wrong."
             }
@@ -290,8 +292,6 @@ impl ReadFault {
             Self::VertexOutOfRange { .. } => {
                 "Export the file again: vertices are missing, or the file was put together from several."
             }
-            Self::Stl(fault) => fault.advice(),
-            Self::Gltf(fault) => fault.advice(),
         }
     }
 

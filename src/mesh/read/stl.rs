@@ -12,6 +12,7 @@
 
 use thiserror::Error;
 
+use super::number::{name, parse, quote};
 use super::{Content, Format, Place, ReadError, ReadFault, ReadNotice};
 use crate::mesh::{Soup, Welder};
 
@@ -31,12 +32,6 @@ pub enum StlFault {
     /// All is well but for the facets.
     #[error("no facets")]
     NoFacets,
-    /// More facets than can be numbered.
-    #[error("{facets} facets, more than 1 431 655 764")]
-    TooManyFacets {
-        /// Number of facets.
-        facets: u64,
-    },
     /// A coordinate that cannot be used.
     #[error("facet {facet}: coordinate {text} {problem}")]
     Coordinate {
@@ -83,9 +78,6 @@ impl StlFault {
                 "Choose an STL file; if this was a download, check what the link gives."
             }
             Self::NoFacets => "Export a surface: this file holds no triangles.",
-            Self::TooManyFacets { .. } => {
-                "Reduce the mesh in a modelling program and export it again."
-            }
             Self::Coordinate { text, .. } if text.contains(',') => {
                 "Export with a decimal point, not a comma: many programs follow the language of the system."
             }
@@ -99,10 +91,13 @@ impl StlFault {
 
 /// Reads an STL file.
 ///
-/// **Fails** with [`ReadFault::Empty`], [`ReadFault::EndsEarly`] or a [`StlFault`]. **Costs** linear time.
+/// **Fails** with [`ReadFault::Empty`], [`ReadFault::TooLong`], [`ReadFault::EndsEarly`] or a [`StlFault`]. **Costs** linear time.
 pub fn read(bytes: &[u8]) -> Result<Content, ReadError> {
     if bytes.is_empty() {
-        return Err(at(Place::File, ReadFault::Empty));
+        return Err(ReadFault::Empty.anywhere());
+    }
+    if u32::try_from(bytes.len()).is_err() {
+        return Err(ReadFault::TooLong { bytes: bytes.len() }.anywhere());
     }
     let promised =
         bytes.get(80..HEAD).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
@@ -117,7 +112,7 @@ pub fn read(bytes: &[u8]) -> Result<Content, ReadError> {
     };
     if promised > there {
         let fault = ReadFault::EndsEarly { what: "facets", found: there, promised };
-        return Err(at(Place::File, fault));
+        return Err(fault.anywhere());
     }
     binary(bytes, promised)
 }
@@ -164,7 +159,6 @@ fn binary(bytes: &[u8], promised: u64) -> Result<Content, ReadError> {
     if facets.is_empty() {
         return Err(at(Place::File, StlFault::NoFacets.into()));
     }
-    check_count(facets.len())?;
     let mut welder = Welder::default();
     let mut soup = Soup { corners: Vec::with_capacity(3 * facets.len()), ..Soup::default() };
     for (facet, index) in facets.iter().zip(0_u64..) {
@@ -242,10 +236,10 @@ fn text(bytes: &[u8]) -> Result<Content, ReadError> {
             }
             facet(&mut words, line, &mut welder, &mut soup)?;
         } else if word.eq_ignore_ascii_case(b"solid") {
-            let name = words.rest_of_line();
+            let rest = words.rest_of_line();
             let number = soup.groups.len() + 1;
-            let name = if name.is_empty() { format!("solid {number}") } else { plain(name) };
-            soup.groups.push(name);
+            let is_named = !rest.is_empty();
+            soup.groups.push(if is_named { name(rest) } else { format!("solid {number}") });
             is_open = true;
         } else if word.eq_ignore_ascii_case(b"endsolid") {
             words.rest_of_line();
@@ -288,7 +282,6 @@ fn facet(
     soup: &mut Soup,
 ) -> Result<(), ReadError> {
     let facet = soup.polygon_count() as u64;
-    check_count(soup.corners.len() / 3 + 2)?;
     let cut_short = at(Place::Line(line), StlFault::CutShort { facet }.into());
     let first = soup.corners.len();
     // The normal may be anything, `nan` or missing.
@@ -336,8 +329,7 @@ fn facet(
 }
 
 fn number(word: &[u8], facet: u64, found: usize) -> Result<f64, StlFault> {
-    let parsed = std::str::from_utf8(word).ok().and_then(|w| w.parse::<f64>().ok());
-    let problem = match parsed {
+    let problem = match parse(word) {
         Some(number) if number.abs() <= LARGEST => return Ok(number),
         Some(number) if number.is_finite() => "is too large (more than 3.4e38)",
         Some(_) => "is not a finite number",
@@ -347,15 +339,6 @@ fn number(word: &[u8], facet: u64, found: usize) -> Result<f64, StlFault> {
         None => "is not a number",
     };
     Err(StlFault::Coordinate { facet, text: quote(word), problem })
-}
-
-/// More facets would need corners beyond 32 bits.
-fn check_count(facets: usize) -> Result<(), ReadError> {
-    if facets as u64 > u64::from((u32::MAX - 1) / 3 - 1) {
-        let fault = StlFault::TooManyFacets { facets: facets as u64 };
-        return Err(at(Place::File, fault.into()));
-    }
-    Ok(())
 }
 
 fn finish(soup: Soup, welder: Welder, mut notices: Vec<ReadNotice>) -> Content {
@@ -375,20 +358,4 @@ fn finish(soup: Soup, welder: Welder, mut notices: Vec<ReadNotice>) -> Content {
 
 fn at(place: Place, fault: ReadFault) -> ReadError {
     ReadError { place, fault }
-}
-
-/// Text of a file as a name: in one line and printable.
-fn plain(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(bytes);
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
-}
-
-/// Text of a file in a message: one line, printable, at most 40 characters.
-fn quote(bytes: &[u8]) -> String {
-    // Four bytes a character at most.
-    let text = plain(&bytes[..bytes.len().min(4 * 41)]);
-    match text.char_indices().nth(40) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text,
-    }
 }

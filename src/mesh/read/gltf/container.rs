@@ -8,8 +8,9 @@ use std::cell::{Cell, OnceCell};
 
 use gltf::json::{Buffer, Root, Value, deserialize, extensions};
 
-use super::super::{Place, ReadError, ReadFault};
-use super::{GltfFault, GltfNote, Notes, quote};
+use super::super::number::{name, quote};
+use super::super::{ReadError, ReadFault};
+use super::{GltfFault, GltfNote, Notes};
 
 /// Objects of JSON that are read. Each takes up to about half a kilobyte, while `{}` in the file takes three bytes: without
 /// a limit a few megabytes could ask for gigabytes. Large scenes have some hundred thousand.
@@ -35,7 +36,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Parts<'a>,
     let Some(&[_, _, _, _, v0, v1, v2, v3, l0, l1, l2, l3]) = bytes.first_chunk::<12>() else {
         let found = bytes.len() as u64;
         let fault = ReadFault::EndsEarly { what: "bytes of the header", found, promised: 12 };
-        return Err(ReadError { place: Place::File, fault });
+        return Err(fault.anywhere());
     };
     let version = u32::from_le_bytes([v0, v1, v2, v3]);
     if version != 2 {
@@ -82,20 +83,16 @@ pub(super) fn parse(parts: &Parts) -> Result<Root, ReadError> {
     let root = Root::from_slice(parts.json).map_err(|error| {
         // glTF 1 has other types in the same places; its version must be told, not the first of them.
         let value = deserialize::from_slice::<Value>(parts.json).unwrap_or_default();
-        match value.get("asset") {
-            _ if !value.is_object() => {}
-            Some(asset) => {
-                let version = asset.get("version").and_then(Value::as_str);
-                let is_first = value.get("nodes").is_some_and(Value::is_object);
-                if let Some(version) = version.or(is_first.then_some("1")) {
-                    if !version.starts_with('2') {
-                        return version_fault(version);
-                    }
-                }
+        if value.is_object() {
+            let Some(asset) = value.get("asset") else { return GltfFault::NotGltf.anywhere() };
+            let version = asset.get("version").and_then(Value::as_str);
+            let is_first = value.get("nodes").is_some_and(Value::is_object);
+            let version = version.or(is_first.then_some("1"));
+            if let Some(version) = version.filter(|v| !is_second(v)) {
+                return version_fault(version);
             }
-            None => return GltfFault::NotGltf.anywhere(),
         }
-        let text = quote(&error.to_string(), 120);
+        let text = name(error.to_string().as_bytes());
         GltfFault::Json { part: if parts.is_chunk { "JSON chunk" } else { "JSON" }, text }
             .anywhere()
     })?;
@@ -104,7 +101,7 @@ pub(super) fn parse(parts: &Parts) -> Result<Root, ReadError> {
         return Err(version_fault(&asset.version));
     }
     if let Some(version) = asset.min_version.as_deref().filter(|v| !matches!(*v, "2.0" | "2")) {
-        return Err(GltfFault::Version { version: quote(version, 20) }.anywhere());
+        return Err(GltfFault::Version { version: quote(version.as_bytes()) }.anywhere());
     }
     match root.extensions_required.iter().find(|name| !is_harmless(name)) {
         Some(name) => Err(unsupported(name)),
@@ -118,7 +115,7 @@ fn is_second(version: &str) -> bool {
 
 fn version_fault(version: &str) -> ReadError {
     let version = version.strip_suffix(".0").unwrap_or(version);
-    GltfFault::Version { version: quote(version, 20) }.anywhere()
+    GltfFault::Version { version: quote(version.as_bytes()) }.anywhere()
 }
 
 /// Whether a file that requires this extension can be read without regard to it: it changes the look only, or it is
@@ -132,17 +129,14 @@ fn is_harmless(extension: &str) -> bool {
 
 /// The refusal of a file that needs an extension.
 pub(super) fn unsupported(extension: &str) -> ReadError {
-    ReadError {
-        place: Place::File,
-        fault: ReadFault::Unsupported { feature: quote(extension, 60) },
-    }
+    ReadFault::Unsupported { feature: quote(extension.as_bytes()) }.anywhere()
 }
 
-/// The bytes of all buffers, decoded when they are first asked for.
+/// The bytes of all buffers, decoded when they are first asked for, and once only even where that fails.
 pub(super) struct Buffers<'a> {
     root: &'a Root,
     binary: Option<&'a [u8]>,
-    bytes: Vec<OnceCell<Cow<'a, [u8]>>>,
+    bytes: Vec<OnceCell<Result<Cow<'a, [u8]>, ReadError>>>,
     /// Sparse elements that may still be read.
     budget: Cell<u64>,
 }
@@ -176,13 +170,8 @@ impl<'a> Buffers<'a> {
         if let (false, Some(compression)) = (is_stored, compression(view.extensions.as_ref())) {
             return Err(unsupported(compression));
         }
-        let bytes = match self.bytes[buffer_index].get() {
-            Some(bytes) => bytes,
-            None => {
-                let bytes = self.load(buffer_index, buffer)?;
-                self.bytes[buffer_index].get_or_init(|| bytes)
-            }
-        };
+        let bytes = self.bytes[buffer_index].get_or_init(|| self.load(buffer_index, buffer));
+        let bytes = bytes.as_ref().map_err(Clone::clone)?;
         let offset = view.byte_offset.map_or(0, |o| o.0);
         let length = view.byte_length.0;
         let range = usize::try_from(offset).ok().zip(offset.checked_add(length));
@@ -200,9 +189,8 @@ impl<'a> Buffers<'a> {
         let bytes = match (&buffer.uri, self.binary) {
             (Some(uri), _) => {
                 let Some(data) = uri.strip_prefix("data:") else {
-                    return Err(
-                        GltfFault::External { buffer: index, uri: quote(uri, 60) }.anywhere()
-                    );
+                    return Err(GltfFault::External { buffer: index, uri: quote(uri.as_bytes()) }
+                        .anywhere());
                 };
                 let Some((_, text)) = data.split_once(";base64,") else {
                     return Err(fault("its data URI is not in base64"));

@@ -23,7 +23,8 @@ use thiserror::Error;
 use self::container::Buffers;
 use self::nodes::{Draw, cross, dot};
 use self::primitives::{NONE, Source, Triangles};
-use super::{Content, Format, Place, ReadError, ReadFault, ReadNotice};
+use super::number::name as printable;
+use super::{Content, Format, Place, ReadError, ReadFault, ReadNotice, to_u32};
 use crate::mesh::Soup;
 
 /// What is wrong with a glTF file that was refused.
@@ -237,7 +238,9 @@ enum GltfNote {
     Morphs,
     Animations,
     Instancing,
+    TextureUnreadable,
     TextureNotFinite,
+    NormalsUnreadable,
     NormalNotFinite,
     TrailingBytes,
 }
@@ -287,6 +290,14 @@ impl Notes {
                 GltfNote::Instancing => {
                     ("instancing", format!("{n} node{s} with EXT_mesh_gpu_instancing drawn once"))
                 }
+                GltfNote::TextureUnreadable => (
+                    "texture_unreadable",
+                    format!("texture coordinates of {n} primitive{s} unreadable, ignored"),
+                ),
+                GltfNote::NormalsUnreadable => (
+                    "normals_unreadable",
+                    format!("normals of {n} primitive{s} unreadable, ignored"),
+                ),
                 GltfNote::TextureNotFinite => (
                     "texture_not_finite",
                     format!("{n} texture coordinate{s} not a number, ignored"),
@@ -311,7 +322,7 @@ impl Notes {
 /// **Costs** time and memory linear in the file and in the triangles that it draws.
 pub fn read(bytes: &[u8]) -> Result<Content, ReadError> {
     if bytes.is_empty() {
-        return Err(ReadError { place: Place::File, fault: ReadFault::Empty });
+        return Err(ReadFault::Empty.anywhere());
     }
     let mut notes = Notes::default();
     let parts = container::split(bytes, &mut notes)?;
@@ -428,6 +439,13 @@ impl<'a> Scene<'a> {
         }
         let first_normal = to_u32(self.soup.normals.len());
         let is_normal = self.add_normals(draw, mesh);
+        let (corners, faces) = (mesh.corners.len(), mesh.corners.len() / 3);
+        self.soup.corners.reserve(corners);
+        self.soup.texture_corners.reserve(if self.has_texture { corners } else { 0 });
+        self.soup.normal_corners.reserve(if self.has_normals { corners } else { 0 });
+        self.soup.starts.reserve(faces);
+        self.soup.polygon_groups.reserve(faces);
+        self.soup.polygon_materials.reserve(faces);
         let mut primitives = mesh.materials.iter();
         let (mut end, mut material) = (0, NONE);
         for (face, corners) in mesh.corners.chunks_exact(3).enumerate() {
@@ -490,7 +508,7 @@ impl<'a> Scene<'a> {
         let node_name = draw.node.and_then(|n| self.root.nodes[n].name.as_deref());
         let name = node_name.or(self.root.meshes[draw.mesh].name.as_deref());
         let name = match (name.filter(|n| !n.is_empty()), draw.node) {
-            (Some(name), _) => quote(name, 120),
+            (Some(name), _) => printable(name.as_bytes()),
             (None, Some(node)) => format!("node {node}"),
             (None, None) => format!("mesh {}", draw.mesh),
         };
@@ -510,26 +528,10 @@ impl<'a> Scene<'a> {
         if *number == NONE {
             let name = self.root.materials[index].name.as_deref().filter(|n| !n.is_empty());
             *number = to_u32(self.soup.materials.len());
-            self.soup.materials.push(name.map_or(format!("material {index}"), |n| quote(n, 120)));
+            self.soup
+                .materials
+                .push(name.map_or(format!("material {index}"), |n| printable(n.as_bytes())));
         }
         *number
     }
-}
-
-/// Numbers of elements: far below 2³², since the number of triangles is.
-fn to_u32(n: usize) -> u32 {
-    u32::try_from(n).unwrap_or(u32::MAX)
-}
-
-/// Text of a file that can be shown: in one line, printable, at most `longest` characters.
-fn quote(text: &str, longest: usize) -> String {
-    let mut quoted = String::new();
-    for (i, c) in text.chars().enumerate() {
-        if i == longest {
-            quoted.push('…');
-            break;
-        }
-        quoted.push(if c.is_control() { ' ' } else { c });
-    }
-    quoted
 }

@@ -176,7 +176,7 @@ fn push(
 fn local(node: &Node) -> Option<Affine> {
     if let Some(matrix) = &node.matrix {
         let m = matrix.map(f64::from);
-        let is_affine = m[3] == 0.0 && m[7] == 0.0 && m[11] == 0.0 && m[15] == 1.0;
+        let is_affine = [m[3], m[7], m[11], m[15] - 1.0].iter().all(|c| *c == 0.0);
         let columns = [0, 4, 8, 12].map(|i| [m[i], m[i + 1], m[i + 2]]);
         return is_affine.then_some(Affine(columns));
     }

@@ -50,6 +50,16 @@ impl<'a> Source<'a> {
         Accessor::new(self.root, self.buffers, index.value(), purpose, self.file_bytes)
     }
 
+    /// An attribute that a mesh can do without.
+    fn forgiving(
+        &self,
+        primitive: &Primitive,
+        semantic: &Checked<Semantic>,
+        purpose: Use,
+    ) -> Result<Option<Accessor<'a>>, ReadError> {
+        primitive.attributes.get(semantic).map(|a| self.accessor(a, purpose)).transpose()
+    }
+
     /// An upper bound of the number of triangles of a mesh, from promises that the bytes of the file keep; and whether any
     /// of them has texture coordinates or normals.
     pub(super) fn survey(&self, mesh: usize) -> Result<Survey, ReadError> {
@@ -113,10 +123,12 @@ impl<'a> Source<'a> {
             if result.corners.len() == first {
                 continue;
             }
-            let texture = primitive.attributes.get(&TEXTURE);
-            let texture = texture.map(|a| self.accessor(a, Use::TextureCoordinates)).transpose()?;
-            let normals = primitive.attributes.get(&NORMALS);
-            let normals = normals.map(|a| self.accessor(a, Use::Normals)).transpose()?;
+            let texture = self.forgiving(primitive, &TEXTURE, Use::TextureCoordinates);
+            notes.add(GltfNote::TextureUnreadable, usize::from(texture.is_err()));
+            let texture = texture.unwrap_or_default();
+            let normals = self.forgiving(primitive, &NORMALS, Use::Normals);
+            notes.add(GltfNote::NormalsUnreadable, usize::from(normals.is_err()));
+            let normals = normals.unwrap_or_default();
             // What the corners name becomes a number in order of first use.
             let mut used = Vec::new();
             for (i, corner) in result.corners[first..].iter_mut().enumerate() {
