@@ -24,7 +24,8 @@ pub fn coarseness(mesh: &Mesh, positions: &[Point3<f64>]) -> f64 {
         .map(|f| {
             let side = |h: crate::mesh::HalfedgeId| geometry.edge_length(h.edge());
             let longest = mesh.face_halfedges(f).map(side).into_iter().fold(0.0, f64::max);
-            let mean = mesh.face_vertices(f).map(|v| curvatures[v.index()]).iter().sum::<f64>() / 3.0;
+            let mean =
+                mesh.face_vertices(f).map(|v| curvatures[v.index()]).iter().sum::<f64>() / 3.0;
             (longest * mean.sqrt(), geometry.face_areas[f.index()])
         })
         .collect();

@@ -156,7 +156,8 @@ impl SubdivideFlow {
         let mut f = start;
         let [a, b] = loop {
             let [a, b] = longest(&self.triangles, f);
-            let across = self.triangles.edge_faces(a, b).as_slice().iter().copied().find(|&g| g != f);
+            let across =
+                self.triangles.edge_faces(a, b).as_slice().iter().copied().find(|&g| g != f);
             match across {
                 Some(g) if longest(&self.triangles, g) != [a, b] => f = g,
                 _ => break [a, b],
@@ -182,7 +183,8 @@ impl SubdivideFlow {
     fn enqueue(&mut self, f: u32) {
         let vertices = self.triangles.faces[f as usize];
         let [a, b] = longest(&self.triangles, f);
-        let curvature = vertices.map(|v| self.curvatures[v as usize]).into_iter().fold(0.0, f64::max);
+        let curvature =
+            vertices.map(|v| self.curvatures[v as usize]).into_iter().fold(0.0, f64::max);
         let value = squared(&self.triangles, a, b) * curvature;
         if value > 0.0 && value.is_finite() {
             // Bits of numbers above zero sort like the numbers.
@@ -286,8 +288,7 @@ fn quarter(triangles: &mut Triangles) {
             let index = edges.partition_point(|e| *e < [a.min(b), a.max(b)]);
             first + index as u32
         });
-        let parts =
-            [[face[0], m[0], m[2]], [m[0], face[1], m[1]], [m[2], m[1], face[2]], m];
+        let parts = [[face[0], m[0], m[2]], [m[0], face[1], m[1]], [m[2], m[1], face[2]], m];
         for part in parts {
             for v in part {
                 triangles.fans[v as usize].push(triangles.faces.len() as u32);
@@ -297,7 +298,12 @@ fn quarter(triangles: &mut Triangles) {
         }
         if let Some(&uv) = uvs.get(f) {
             let m = [0, 1, 2].map(|i| super::triangles::midway(uv[i], uv[(i + 1) % 3]));
-            triangles.uvs.extend([[uv[0], m[0], m[2]], [m[0], uv[1], m[1]], [m[2], m[1], uv[2]], m]);
+            triangles.uvs.extend([
+                [uv[0], m[0], m[2]],
+                [m[0], uv[1], m[1]],
+                [m[2], m[1], uv[2]],
+                m,
+            ]);
         }
     }
     triangles.face_count = triangles.faces.len();

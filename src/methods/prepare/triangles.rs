@@ -2,14 +2,14 @@
 //!
 //! Faces hold their vertices, vertices their faces. Each side of a face has a mark, the same from both faces at an edge:
 //! `NONE` for an ordinary edge, a number for one that must stay an edge. What makes a manifold is kept by every operation whose
-//! conditions were asked for first; nothing is measured here but midpoints.
+//! conditions were asked for first; measuring is left to the caller.
 
 #![expect(
     clippy::cast_possible_truncation,
     reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
 )]
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::{Attributes, NONE, Prepared, Surface, Uv};
 use crate::mesh::{EdgeId, Mesh, MeshError, VertexId};
@@ -215,7 +215,8 @@ impl Triangles {
         at.as_slice().iter().all(|&f| {
             let c = self.third(f, gone, kept);
             let marks = self.marks[f as usize];
-            let both = [self.side(f, gone, c), self.side(f, kept, c)].iter().all(|&s| marks[s] != NONE);
+            let both =
+                [self.side(f, gone, c), self.side(f, kept, c)].iter().all(|&s| marks[s] != NONE);
             self.neighbours(c, other);
             let degree = self.fans[c as usize].len();
             // On a rim there is one neighbour more than faces; there two faces suffice, else four.
@@ -261,7 +262,8 @@ impl Triangles {
         let faces = self.edge_faces(a, b);
         let &[f, g] = faces.as_slice() else { return false };
         // f has the edge from a to b.
-        let (f, g) = if self.faces[f as usize][(self.corner(f, a) + 1) % 3] == b { (f, g) } else { (g, f) };
+        let (f, g) =
+            if self.faces[f as usize][(self.corner(f, a) + 1) % 3] == b { (f, g) } else { (g, f) };
         let (c, d) = (self.third(f, a, b), self.third(g, a, b));
         if self.marks[f as usize][self.side(f, a, b)] != NONE || self.edge_faces(c, d).count > 0 {
             return false;
@@ -286,8 +288,9 @@ impl Triangles {
         face_source: impl Fn(u32) -> u32,
         uvs: impl Fn(u32) -> [Uv; 3],
     ) -> Result<Prepared, MeshError> {
-        let used: Vec<u32> =
-            (0..self.positions.len() as u32).filter(|&v| !self.fans[v as usize].is_empty()).collect();
+        let used: Vec<u32> = (0..self.positions.len() as u32)
+            .filter(|&v| !self.fans[v as usize].is_empty())
+            .collect();
         let (mut order, new): (Vec<u32>, Vec<u32>) =
             used.into_iter().partition(|&v| self.is_old[v as usize]);
         let old = order.len();
@@ -296,8 +299,7 @@ impl Triangles {
         for (number, &v) in order.iter().enumerate() {
             numbers[v as usize] = number as u32;
         }
-        let faces: Vec<u32> =
-            (0..self.faces.len() as u32).filter(|&f| self.is_alive(f)).collect();
+        let faces: Vec<u32> = (0..self.faces.len() as u32).filter(|&f| self.is_alive(f)).collect();
         let triangles: Vec<[u32; 3]> =
             faces.iter().map(|&f| self.faces[f as usize].map(|v| numbers[v as usize])).collect();
         let mesh = Mesh::new(order.len(), &triangles)?;
@@ -328,4 +330,21 @@ impl Triangles {
 pub(super) fn midway(a: Uv, b: Uv) -> Uv {
     let (a, b) = (a?, b?);
     Some([0, 1].map(|i| 0.5 * a[i] + 0.5 * b[i]))
+}
+
+/// Twice the area times the normal of a triangle.
+pub(super) fn vector([a, b, c]: [Point3<f64>; 3]) -> Vector3<f64> {
+    (b - a).cross(&(c - a))
+}
+
+/// Whether a face turns by more than the angle of a cosine, or loses its area. One without area may do anything.
+pub(super) fn turns_over(old: Vector3<f64>, new: Vector3<f64>, cosine: f64) -> bool {
+    let norm = old.norm();
+    norm > 0.0 && !(old.dot(&new) > cosine * norm * new.norm())
+}
+
+/// 1 for an equilateral triangle, 0 for one without area: 2√3 |n| / Σ l².
+pub(super) fn shape([a, b, c]: [Point3<f64>; 3]) -> f64 {
+    let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    2.0 * 3f64.sqrt() * vector([a, b, c]).norm() / sides.max(f64::MIN_POSITIVE)
 }
