@@ -2,14 +2,14 @@
 //!
 //! Faces hold their vertices, vertices their faces. Each side of a face has a mark, the same from both faces at an edge:
 //! `NONE` for an ordinary edge, a number for one that must stay an edge. What makes a manifold is kept by every operation whose
-//! conditions were asked for first; nothing is measured here but midpoints.
+//! conditions were asked for first; measuring is left to the caller.
 
 #![expect(
     clippy::cast_possible_truncation,
     reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
 )]
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::{Attributes, NONE, Prepared, Surface, Uv};
 use crate::mesh::{EdgeId, Mesh, MeshError, VertexId};
@@ -330,4 +330,21 @@ impl Triangles {
 pub(super) fn midway(a: Uv, b: Uv) -> Uv {
     let (a, b) = (a?, b?);
     Some([0, 1].map(|i| 0.5 * a[i] + 0.5 * b[i]))
+}
+
+/// Twice the area times the normal of a triangle.
+pub(super) fn vector([a, b, c]: [Point3<f64>; 3]) -> Vector3<f64> {
+    (b - a).cross(&(c - a))
+}
+
+/// Whether a face turns by more than the angle of a cosine, or loses its area. One without area may do anything.
+pub(super) fn turns_over(old: Vector3<f64>, new: Vector3<f64>, cosine: f64) -> bool {
+    let norm = old.norm();
+    norm > 0.0 && !(old.dot(&new) > cosine * norm * new.norm())
+}
+
+/// 1 for an equilateral triangle, 0 for one without area: 2√3 |n| / Σ l².
+pub(super) fn shape([a, b, c]: [Point3<f64>; 3]) -> f64 {
+    let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    2.0 * 3f64.sqrt() * vector([a, b, c]).norm() / sides.max(f64::MIN_POSITIVE)
 }
