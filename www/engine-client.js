@@ -1,12 +1,15 @@
 // The page's end of the worker: requests out, events and scenes in, and a new worker when the old one has died.
 //
-// What it keeps is enough to bring a document back: where the mesh came from and the parameters last reported.
+// What it keeps is enough to bring a document back: where the mesh came from, the repairs and preparations that made
+// it what it is, its parameters and its real size.
 
 /** How often a document is brought back before the page gives up, and how long a worker must live to be trusted. */
 const ATTEMPTS = 3;
 const TRUSTED_MS = 10_000;
-/** Earlier meshes kept for Undo. */
-const KNOWN = 4;
+/** Meshes that Undo and Redo can go to, the open one included. */
+const KNOWN = 6;
+/** Commands after which the mesh is another one. */
+const CHANGES = ["repair", "repair_all", "prepare"];
 
 export class EngineClient {
   #on;
@@ -17,11 +20,15 @@ export class EngineClient {
   #deaths = 0;
   #trust = 0;
 
-  /** Where the open document came from: `{ sample }` or `{ name, bytes }`. */
-  document = null;
+  /** The meshes along Undo and Redo: `{ source, changes }`, a source being `{ sample }` or `{ name, bytes }`. */
+  #meshes = [];
+  #at = -1;
   #opening = null;
-  #known = new Map();
+  /** The preparation under way, and who waits for its end. */
+  #preparing = null;
+  #rested = [];
   #values = {};
+  #size = null;
 
   /**
    * @param on `events(list, spent)`, `scene(scene)`, `restarted(sentence, hasDocument)`, `failed(reason)`
@@ -31,6 +38,16 @@ export class EngineClient {
     this.#spawn();
   }
 
+  /** Where the open mesh came from: `{ sample }` or `{ name, bytes }`. */
+  get document() {
+    return this.#meshes[this.#at]?.source ?? null;
+  }
+
+  /** Whether repairs or preparations have made another mesh of it. */
+  get isChanged() {
+    return (this.#meshes[this.#at]?.changes.length ?? 0) > 0;
+  }
+
   /** Whether a mesh is being opened now. */
   get isOpening() {
     return this.#opening !== null;
@@ -38,7 +55,7 @@ export class EngineClient {
 
   /** Sends one command; resolves when the engine has handled it. */
   command(command) {
-    return this.#request({ type: "command", command });
+    return this.#request({ type: "command", command }, [], command);
   }
 
   /** Sends the newest value of a parameter: while one is on its way, values in between are left out. */
@@ -63,20 +80,21 @@ export class EngineClient {
     return this.#open({ name, bytes });
   }
 
-  async #open(source) {
+  async #open(source, isReplay = false) {
     this.#opening = source;
-    const answer = await this.#send(source);
+    const answer = await this.#send(source, { type: "open", source, isReplay });
     if (this.#opening === source) this.#opening = null;
     return answer;
   }
 
-  #send(source) {
+  #send(source, cause) {
     if (source.sample) {
-      return this.#request({ type: "command", command: { type: "open_sample", name: source.sample } }, [], source);
+      const command = { type: "open_sample", name: source.sample };
+      return this.#request({ type: "command", command }, [], cause);
     }
     // The worker is given a copy: the page's own bytes are what a restart needs.
     const copy = source.bytes.slice().buffer;
-    return this.#request({ type: "open", name: source.name, bytes: copy }, [copy], source);
+    return this.#request({ type: "open", name: source.name, bytes: copy }, [copy], cause);
   }
 
   /** The file of an export item, as `file` of the answer; without one an error event has said why. */
@@ -90,8 +108,8 @@ export class EngineClient {
   }
 
   /** Throws the worker away in the middle of its work and brings the last good document back. */
-  cancel() {
-    this.#revive("Opening was cancelled.");
+  cancel(sentence) {
+    this.#revive(sentence);
   }
 
   #spawn() {
@@ -106,11 +124,12 @@ export class EngineClient {
     this.#trust = setTimeout(() => (this.#deaths = 0), TRUSTED_MS);
   }
 
-  #request(request, transfer = [], source = null) {
+  /** `cause` is the command, or `{ type: "open", source }`: what brought the events of the answer about. */
+  #request(request, transfer = [], cause = null) {
     if (!this.#worker) return new Promise(() => {});
     const id = this.#nextId++;
     return new Promise((resolve) => {
-      this.#waiting.set(id, { resolve, source });
+      this.#waiting.set(id, { resolve, cause });
       this.#worker.postMessage({ ...request, id }, transfer);
     });
   }
@@ -118,12 +137,12 @@ export class EngineClient {
   #receive(message) {
     switch (message.type) {
       case "events":
-        this.#report(message.events, message.spent, null);
+        this.#report(message.events, message.spent, this.#preparing);
         break;
       case "reply": {
-        const { resolve, source } = this.#waiting.get(message.id);
+        const { resolve, cause } = this.#waiting.get(message.id);
         this.#waiting.delete(message.id);
-        this.#report(message.events, 0, source);
+        this.#report(message.events, 0, cause);
         resolve(message);
         break;
       }
@@ -136,18 +155,40 @@ export class EngineClient {
     }
   }
 
-  #report(events, spent, source) {
+  #report(events, spent, cause) {
     for (const event of events) {
       if (event.type === "parameters") this.#values = event.values;
-      if (event.type === "mesh") {
-        // Undo may bring an earlier mesh back, known by its name.
-        this.document = source ?? this.#known.get(event.name) ?? this.document;
-        this.#known.delete(event.name);
-        this.#known.set(event.name, this.document);
-        if (this.#known.size > KNOWN) this.#known.delete(this.#known.keys().next().value);
-      }
+      if (event.type === "size") this.#size = event;
+      if (event.type === "mesh") this.#follow(cause);
+      if (event.type === "status") this.#rest(event.state === "preparing", cause);
     }
     this.#on.events(events, spent);
+  }
+
+  /** Keeps account of which mesh is open, one entry for each that Undo and Redo pass through. */
+  #follow(cause) {
+    if (!cause || cause.isReplay) return;
+    if (cause.type === "undo") this.#at = Math.max(0, this.#at - 1);
+    if (cause.type === "redo") this.#at = Math.min(this.#meshes.length - 1, this.#at + 1);
+    const now = this.#meshes[this.#at];
+    const made =
+      cause.type === "open"
+        ? { source: cause.source, changes: [] }
+        : now && CHANGES.includes(cause.type) && { source: now.source, changes: [...now.changes, cause] };
+    if (!made) return;
+    this.#meshes.splice(this.#at + 1, Infinity, made);
+    if (this.#meshes.length > KNOWN) this.#meshes.shift();
+    this.#at = this.#meshes.length - 1;
+  }
+
+  /** Answers that come while a preparation goes on leave it the cause of the mesh that it will give. */
+  #rest(isPreparing, cause) {
+    if (isPreparing) {
+      if (cause?.type === "prepare") this.#preparing = cause;
+      return;
+    }
+    this.#preparing = null;
+    for (const resolve of this.#rested.splice(0)) resolve();
   }
 
   #died(reason) {
@@ -173,21 +214,43 @@ export class EngineClient {
     // Requests to a dead worker are never answered: whoever awaits them must not go on.
     this.#waiting.clear();
     this.#latest.clear();
+    this.#rested = [];
     this.#opening = null;
+    this.#preparing = null;
   }
 
   async #revive(sentence) {
-    // Parameters may be what kills it: they are left out of the second attempt, the document out of the third.
-    const source = this.#deaths < ATTEMPTS ? this.document : null;
-    const wanted = this.#deaths < 2 ? { ...this.#values } : {};
+    // What was done to the mesh may be what kills it: that is left out of the second attempt, the mesh out of the third.
+    const mesh = this.#deaths < ATTEMPTS ? this.#meshes[this.#at] : null;
+    const isFirst = this.#deaths < 2;
+    const [values, size] = [{ ...this.#values }, this.#size];
     this.#discard();
     this.#spawn();
-    this.#on.restarted(sentence, source !== null);
+    this.#on.restarted(sentence, mesh !== null && mesh !== undefined);
     await this.command({ type: "hello" });
-    if (!source) return;
-    await this.#open(source);
-    for (const [id, value] of Object.entries(wanted)) {
+    if (!mesh) {
+      [this.#meshes, this.#at] = [[], -1];
+      return;
+    }
+    // The new engine knows no way back from here.
+    [this.#meshes, this.#at] = [[{ source: mesh.source, changes: isFirst ? mesh.changes : [] }], 0];
+    await this.#open(mesh.source, true);
+    if (isFirst) await this.#replay(mesh.changes, values, size);
+  }
+
+  async #replay(changes, values, size) {
+    for (const command of changes) {
+      await this.#request({ type: "command", command }, [], { ...command, isReplay: true });
+      if (this.#preparing) await new Promise((resolve) => this.#rested.push(resolve));
+    }
+    for (const [id, value] of Object.entries(values)) {
       if (this.#values[id] !== value) await this.command({ type: "set_parameter", id, value });
     }
+    if (!size || !this.#size) return;
+    if (this.#size.unit !== size.unit) await this.command({ type: "set_unit", id: size.unit });
+    const axis = size.boxes.indexOf(Math.max(...size.boxes));
+    const [was, is] = [size.boxes[axis], this.#size.boxes[axis]];
+    // Sizes come back from a multiplication: what differs in the last digits is the same.
+    if (Math.abs(is - was) > 1e-9 * was) await this.command({ type: "set_size", axis, value: was });
   }
 }

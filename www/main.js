@@ -4,12 +4,15 @@
 import { byId, h, paced, roving, settle } from "./dom.js";
 import { EngineClient } from "./engine-client.js";
 import { FLAT, SURFACE, Views } from "./views.js";
+import { fileSources } from "./panels/drop.js";
+import { emptyState } from "./panels/empty.js";
 import { errorPanel, toast, waitStrip } from "./panels/error.js";
 import { download, exportMenu } from "./panels/export-menu.js";
 import { learnPanel } from "./panels/learn.js";
 import { legends } from "./panels/legends.js";
 import { measuresPanel } from "./panels/measures.js";
 import { meshLine } from "./panels/mesh.js";
+import { meshSection } from "./panels/mesh-section.js";
 import { parametersPanel } from "./panels/parameters.js";
 import { piecesPanel } from "./panels/pieces.js";
 import { energyPlot } from "./panels/plot.js";
@@ -17,15 +20,22 @@ import { ruler } from "./panels/ruler.js";
 import { readAddress, shareButton, valueFor } from "./panels/share.js";
 import { statusPanel } from "./panels/status.js";
 import { theme } from "./panels/theme.js";
-import { measure, percent } from "./format.js";
+import { measure, percent, plural } from "./format.js";
 
 const FIRST_SAMPLE = "ball";
+/** Why what needs a cut cannot be had. */
+const BLOCKED = "Repair the mesh first: see Mesh, at the top of the parameters";
+/** How long a preparation is given to stop by itself. */
+const GRACE_MS = 3000;
 const root = document.documentElement;
 const asked = readAddress();
 
 /** What the engine said last. */
 const now = {
   mesh: null,
+  /** What the doctor said about it. */
+  doctor: null,
+  isPreparing: false,
   values: {},
   /** The values with which the mesh was opened. */
   opened: null,
@@ -37,28 +47,39 @@ const now = {
 };
 
 const say = toast();
-const wait = waitStrip(() => client.cancel());
+const wait = waitStrip();
 const error = errorPanel(async () => {
   delete root.dataset.rejected;
   await client.command({ type: "dismiss_error" });
   status.recover();
 });
+let stopWaiting = () => {};
 const status = statusPanel({
-  run: () => client.command({ type: "run" }),
+  run: () => onPieces({ type: "run" }),
   pause: () => client.command({ type: "pause" }),
   step: takeStep,
-  reset: () => client.command({ type: "reset" }),
+  reset: () => onPieces({ type: "reset" }),
 });
-const parameters = parametersPanel(byId("parameters"), (id, value) => client.setParameter(id, value));
+const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value));
 const plot = energyPlot(byId("plot"));
 const measures = measuresPanel(byId("measures"));
 const pieces = piecesPanel(byId("pieces"), (patch) => views.setHover(patch));
-const mesh = meshLine();
+const mesh = meshLine(openMeshSection);
+const meshPanel = meshSection(byId("mesh-section"), {
+  repair: (id) => changing("Repairing", { type: "repair", id }),
+  repairAll,
+  showFinding: (id) => client.command({ type: "show_finding", id }),
+  setUnit: (id) => client.command({ type: "set_unit", id }),
+  setSize: (axis, value) => client.command({ type: "set_size", axis, value }),
+  prepare: (tool, values) => client.command({ type: "prepare", tool, values }),
+});
+const empty = emptyState({ openMesh: openMeshSection, repairAll, toPieces });
+const exports = exportMenu(save);
 const [surfaceView, flatView] = [document.querySelector(".view.surface"), document.querySelector(".view.flat")];
 const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"));
 const legend = legends(surfaceView.querySelector(".legend"), flatView.querySelector(".legend"));
 const measureRuler = ruler(flatView.querySelector(".ruler"));
-const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern));
+const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern, marked()));
 
 const views = new Views(stages, {
   renderer: (name) => {
@@ -87,12 +108,28 @@ const handlers = {
   },
   mesh(event) {
     now.mesh = event;
+    now.doctor = null;
     now.opened = null;
     document.title = `Cutflow – ${event.name}`;
     mesh.show(event);
+    meshPanel.show(event);
     error.hideRefusal();
     delete root.dataset.rejected;
-    for (const id of ["export", "share", "learn"]) byId(id).disabled = false;
+    for (const id of ["export", "share"]) byId(id).disabled = false;
+    allow();
+  },
+  doctor(event) {
+    const isNew = now.doctor === null;
+    now.doctor = event;
+    mesh.judge(event);
+    meshPanel.judge(event);
+    if (isNew && !event.solvable) showSheet(sheet.firstElementChild);
+    allow();
+  },
+  size: (event) => meshPanel.size(event),
+  tools: (event) => meshPanel.tools(event),
+  progress({ label, fraction }) {
+    if (now.isPreparing) wait.progress(label, fraction);
   },
   parameters(event) {
     now.values = event.values;
@@ -100,6 +137,7 @@ const handlers = {
     parameters.show(event);
   },
   status(event) {
+    preparing(event.state === "preparing", event.text);
     status.show(event);
     learn.update();
   },
@@ -134,7 +172,7 @@ const handlers = {
     }
   },
   error(event) {
-    root.toggleAttribute("data-rejected", event.shows_rejected_mesh);
+    root.toggleAttribute("data-rejected", Boolean(event.shows_rejected_mesh));
     showSamples();
     error.show(event, true);
   },
@@ -145,7 +183,7 @@ const client = new EngineClient({
   events(list, spent) {
     for (const event of list) handlers[event.type]?.(event);
     const steps = list.filter((event) => event.type === "energy" && event.step > 0).length;
-    if (spent > 0) status.spent(spent, steps);
+    if (spent > 0 && !now.isPreparing) status.spent(spent, steps);
     if (status.state() !== "running") settle();
   },
   scene(scene) {
@@ -155,12 +193,14 @@ const client = new EngineClient({
     learn.update();
   },
   restarted(sentence, hasDocument) {
+    preparing(false);
     wait.end();
     say(sentence);
     if (hasDocument) status.show({ state: "loading", step: 0, text: "Loading the last mesh again" });
     else status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
   },
   failed(reason) {
+    preparing(false);
     wait.end();
     const event = {
       what: "The solver does not run in this browser.",
@@ -174,7 +214,7 @@ const client = new EngineClient({
 
 const learn = learnPanel(
   {
-    field: (id) => id !== now.fields.current && client.command({ type: "show_field", id }),
+    field: showField,
     step: takeStep,
     layout: () => {},
   },
@@ -193,19 +233,93 @@ const learn = learnPanel(
 
 async function takeStep() {
   if (status.state() === "running") await client.command({ type: "pause" });
-  client.command({ type: "step" });
+  onPieces({ type: "step" });
+}
+
+/** What is marked on the surface in place of the pieces, as a sentence; null for the pieces. */
+function marked() {
+  const { doctor } = now;
+  if (doctor?.shown) return doctor.findings.find(({ id }) => id === doctor.shown)?.text ?? "What was found";
+  return isBlocked() ? "What must be repaired before the mesh can be cut" : null;
+}
+
+function isBlocked() {
+  return now.doctor ? !now.doctor.solvable : now.mesh?.solvable === false;
+}
+
+/** Switches off what the mesh does not allow yet, and says so. */
+function allow() {
+  const reason = isBlocked() ? BLOCKED : null;
+  status.block(reason);
+  exports.block(reason);
+  byId("learn").disabled = reason !== null;
+  if (reason !== null) learn.close();
+  for (const select of document.querySelectorAll("select.overlay")) {
+    select.disabled = reason !== null;
+    select.title = reason ?? "";
+  }
+  if (reason !== null) empty.show("blocked", now.doctor?.repair_all.length > 0);
+  else empty.show(now.doctor?.shown ? "marked" : null);
+  updateLegends();
+}
+
+async function toPieces() {
+  if (now.doctor?.shown) await client.command({ type: "show_finding", id: null });
+}
+
+/** Sends a command whose effect is seen on the pieces only. */
+async function onPieces(command) {
+  await toPieces();
+  return client.command(command);
+}
+
+function showField(id) {
+  if (id !== now.fields.current || now.doctor?.shown) onPieces({ type: "show_field", id });
+}
+
+function openMeshSection() {
+  learn.close();
+  showSheet(sheet.firstElementChild);
+  meshPanel.open();
+}
+
+function repairAll() {
+  return changing("Repairing", { type: "repair_all" });
+}
+
+/** Sends a command that gives another mesh at once, with a way out where it takes long. */
+async function changing(sentence, command) {
+  const done = wait.begin(sentence, () => client.cancel(`${sentence} was cancelled.`));
+  await client.command(command);
+  done();
+}
+
+/** A preparation has begun, goes on, or has ended. */
+function preparing(isPreparing, text) {
+  if (isPreparing === now.isPreparing) return;
+  now.isPreparing = isPreparing;
+  meshPanel.busy(isPreparing);
+  if (isPreparing) stopWaiting = wait.begin(text, stopPreparing);
+  else stopWaiting();
+}
+
+async function stopPreparing() {
+  const late = setTimeout(() => client.cancel("The preparation was stopped, and the solver started again."), GRACE_MS);
+  await client.command({ type: "cancel" });
+  clearTimeout(late);
 }
 
 async function opening(name, open) {
   status.show({ state: "loading", step: 0, text: `Loading ${name}` });
-  wait.begin(`Loading ${name}`);
+  const done = wait.begin(`Loading ${name}`, () => client.cancel("Opening was cancelled."));
   const answer = await open();
-  if (!client.isOpening) wait.end();
+  done();
   // The engine says how it went; a refused file leaves the document before it in place.
   return answer.events.some((event) => event.type === "mesh");
 }
 
-async function openFile(file) {
+async function openFile(file, left) {
+  if (left > 0) say(`${file.name} is opened: one mesh at a time. ${plural(left, "other file")} left out.`);
   try {
     await opening(file.name, async () => client.openMesh(file.name, new Uint8Array(await file.arrayBuffer())));
   } catch (reason) {
@@ -253,6 +367,7 @@ async function save(kind) {
 }
 
 function tipFor(patch) {
+  if (marked() !== null) return [];
   const piece = pieces.piece(patch);
   const share = piece?.area_fraction ?? now.scene?.patches[patch]?.area_fraction;
   if (share === undefined) return [];
@@ -264,21 +379,16 @@ function tipFor(patch) {
   ];
 }
 
-byId("file").addEventListener("change", ({ target }) => {
-  const [file] = target.files;
-  // The same file may be chosen again after it was changed.
-  target.value = "";
-  if (file) openFile(file);
-});
+fileSources(openFile);
 byId("sample").addEventListener("change", ({ target }) => openSample(target.value));
-byId("undo").addEventListener("click", () => client.command({ type: "undo" }));
-byId("redo").addEventListener("click", () => client.command({ type: "redo" }));
+byId("undo").addEventListener("click", () => changing("Undo", { type: "undo" }));
+byId("redo").addEventListener("click", () => changing("Redo", { type: "redo" }));
 for (const select of document.querySelectorAll("select.overlay")) {
-  select.addEventListener("change", () => client.command({ type: "show_field", id: select.value }));
+  select.addEventListener("change", () => showField(select.value));
 }
-exportMenu(save);
 shareButton(() => ({
   sample: client.document?.sample ?? null,
+  isChanged: client.isChanged,
   name: now.mesh?.name,
   specs: parameters.specs(),
   values: now.values,
@@ -331,30 +441,6 @@ function showSheet(tab) {
 sheet.addEventListener("click", ({ target }) => target.role === "tab" && showSheet(target));
 roving(sheet, "[role=tab]", showSheet);
 showSheet(sheet.firstElementChild);
-
-// A file may be dropped anywhere.
-
-const drop = byId("drop");
-const holdsFiles = (event) => event.dataTransfer?.types.includes("Files");
-addEventListener("dragenter", (event) => {
-  if (holdsFiles(event)) drop.hidden = false;
-});
-addEventListener("dragover", (event) => {
-  if (!holdsFiles(event)) return;
-  event.preventDefault();
-  event.dataTransfer.dropEffect = "copy";
-  drop.hidden = false;
-});
-addEventListener("dragleave", (event) => {
-  if (!event.relatedTarget) drop.hidden = true;
-});
-addEventListener("drop", (event) => {
-  drop.hidden = true;
-  if (!holdsFiles(event)) return;
-  event.preventDefault();
-  const [file] = event.dataTransfer.files;
-  if (file) openFile(file);
-});
 
 // Keys: letters work wherever nothing is being typed, Space and Enter belong to the control in focus.
 

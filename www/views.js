@@ -275,11 +275,12 @@ export class Views {
   }
 
   #showTip(at, patch) {
-    this.#tip.hidden = at === null;
-    if (at === null) return;
+    const text = at === null ? [] : this.#on.describe(patch);
+    this.#tip.hidden = text.length === 0;
+    if (text.length === 0) return;
     const host = this.#hosts[at.view];
     if (this.#tip.parentElement !== host) host.append(this.#tip);
-    this.#tip.replaceChildren(...this.#on.describe(patch));
+    this.#tip.replaceChildren(...text);
     // Beside the pointer, on the side where there is room.
     const isLeft = at.x > host.clientWidth / 2;
     const isAbove = at.y > host.clientHeight / 2;

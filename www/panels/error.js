@@ -1,6 +1,6 @@
 // What went wrong, where, and what to do about it; and the short notices that pass by themselves.
 
-import { byId, h, icon } from "../dom.js";
+import { byId, h, icon, write } from "../dom.js";
 
 /** Long enough to read a sentence twice. */
 const TOAST_MS = 6000;
@@ -64,23 +64,44 @@ export function toast() {
 }
 
 /** A strip with a way out, shown when something takes longer than a moment. */
-export function waitStrip(cancel) {
+export function waitStrip() {
   const PATIENCE_MS = 200;
   const host = byId("wait");
-  const [text, button] = [host.querySelector("span"), host.querySelector("button")];
+  const [bar, text, button] = host.children;
   let timer = 0;
-  button.addEventListener("click", () => cancel());
-  return {
-    begin(sentence) {
-      clearTimeout(timer);
-      timer = setTimeout(() => {
-        text.textContent = sentence;
-        host.hidden = false;
-      }, PATIENCE_MS);
+  let turn = 0;
+  let cancel = () => {};
+  button.addEventListener("click", () => {
+    // One press is enough: what is asked to stop may need a moment for it.
+    button.disabled = true;
+    cancel();
+  });
+
+  const strip = {
+    /** Says what is waited for; `stop()` is called when a person does not want to wait. Gives what ends this wait. */
+    begin(sentence, stop) {
+      strip.end();
+      turn += 1;
+      const mine = turn;
+      cancel = stop;
+      strip.progress(sentence, null);
+      timer = setTimeout(() => (host.hidden = false), PATIENCE_MS);
+      return () => {
+        if (mine === turn) strip.end();
+      };
+    },
+    /** What is done now and the part of it that is done, null where that is not known. */
+    progress(sentence, fraction) {
+      write(text, sentence);
+      bar.setAttribute("aria-label", sentence);
+      if (Number.isFinite(fraction)) bar.value = fraction;
+      else bar.removeAttribute("value");
     },
     end() {
       clearTimeout(timer);
       host.hidden = true;
+      button.disabled = false;
     },
   };
+  return strip;
 }

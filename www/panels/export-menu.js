@@ -13,13 +13,16 @@ export function download(name, blob) {
   setTimeout(() => URL.revokeObjectURL(url), 30_000);
 }
 
+/** What there is without a cut. */
+const CUTLESS = ["Mesh (OBJ)", "Surface picture (PNG)"];
+
 /** `save(kind)` is called with the item's text. */
 export function exportMenu(save) {
   const button = byId("export");
   const menu = byId("export-menu");
   const items = [...menu.querySelectorAll("[role=menuitem]")];
-  const { show } = popover(button, menu, { opened: () => items[0].focus() });
-  roving(menu, "[role=menuitem]");
+  const { show } = popover(button, menu, { opened: () => items.find((item) => !item.disabled)?.focus() });
+  roving(menu, "[role=menuitem]:not(:disabled)");
   menu.addEventListener("click", ({ target }) => {
     const item = target.closest("[role=menuitem]");
     if (!item) return;
@@ -35,4 +38,13 @@ export function exportMenu(save) {
     event.preventDefault();
     show(true);
   });
+  return {
+    /** Takes the reason why there is no cut to export, null where there is one. */
+    block(reason) {
+      for (const item of items) {
+        item.disabled = reason !== null && !CUTLESS.includes(item.textContent);
+        item.title = item.disabled ? reason : "";
+      }
+    },
+  };
 }

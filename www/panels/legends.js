@@ -70,12 +70,16 @@ function flatSummary({ patches }, pattern) {
 export function legends(surface, flat) {
   let shown = "";
   return {
-    /** Takes a scene, and the size of the pattern where the engine tells it. */
-    show(scene, pattern) {
-      const print = JSON.stringify([scene.field, scene.patches.map((p) => [p.area_fraction, p.has_chart, p.flipped]), pattern]);
+    /** Takes a scene, the size of the pattern where the engine tells it, and what is marked in place of the pieces, if anything. */
+    show(scene, pattern, marked) {
+      const print = JSON.stringify([scene.field, scene.patches.map((p) => [p.area_fraction, p.has_chart, p.flipped]), pattern, marked]);
       if (print === shown) return;
       shown = print;
-      if (scene.field) {
+      if (marked) {
+        const text = h("span", { title: marked }, marked);
+        surface.replaceChildren(h("div", { class: "marked" }, h("i", { class: "chip mark" }), text));
+        flat.replaceChildren();
+      } else if (scene.field) {
         surface.replaceChildren(...fieldLegend(scene.field));
         flat.replaceChildren(...fieldLegend(scene.field));
       } else {

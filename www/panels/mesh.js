@@ -1,39 +1,39 @@
-// Which mesh is open and what was noticed about it.
+// Which mesh is open and whether it is sound: the short line in the header.
 
-import { byId, h, popover } from "../dom.js";
+import { byId, h, icon, write } from "../dom.js";
 import { count, plural } from "../format.js";
 
-function shape({ components, boundary_loops, genus }) {
-  const parts = [];
-  if (components > 1) parts.push(plural(components, "component"));
-  parts.push(boundary_loops > 0 ? plural(boundary_loops, "boundary loop") : "closed");
-  parts.push(`genus ${count(genus)}`);
-  return parts.join(", ");
+/**
+ * How a mesh does, from a `doctor` event: `{ id, icon, text }`, the id being `healthy`, `findings` or `blocked`. Notes
+ * are facts and leave a mesh healthy.
+ */
+export function health({ solvable, findings }) {
+  if (!solvable) return { id: "blocked", icon: "block", text: "needs repair" };
+  if (findings.every(({ severity }) => severity === "note")) return { id: "healthy", icon: "check", text: "healthy" };
+  return { id: "findings", icon: "alert", text: plural(findings.length, "finding") };
 }
 
-export function meshLine() {
+/** The state with its icon, in a colour that only repeats what the icon says. */
+export const healthBadge = (state) => h("span", { class: `health ${state.id}` }, icon(state.icon), h("span", {}, state.text));
+
+/** `open()` shows the whole report. */
+export function meshLine(open) {
   const [name, facts] = [h("b"), h("span")];
-  const button = h("button", { class: "link" });
-  const list = h("div", { class: "pop list", role: "group", "aria-label": "Notices", hidden: true });
-  const menu = h("span", { class: "menu", hidden: true }, button, list);
-  byId("mesh").append(name, facts, menu);
-  const { show } = popover(button, list);
+  const button = h("button", { class: "link", title: "Size, repairs and preparation of the mesh", hidden: true, onclick: open });
+  byId("mesh").append(name, facts, button);
 
   return {
-    /** Takes a `mesh` event. */
+    /** Takes a `mesh` event; the engine's verdict follows. */
     show(mesh) {
-      const { vertices, faces, notices } = mesh;
-      name.textContent = mesh.name;
-      facts.textContent = `${plural(vertices, "vertex", "vertices")} · ${plural(faces, "face")} · ${shape(mesh)}`;
-      name.title = `${mesh.name}: ${facts.textContent}`;
-      show(false);
-      menu.hidden = false;
-      button.textContent = notices.length === 0 ? "No issues found" : plural(notices.length, "notice");
-      list.replaceChildren(
-        notices.length === 0
-          ? h("p", {}, "Indices, coordinates, edges and orientation were checked; nothing had to be repaired.")
-          : h("ul", {}, ...notices.map((notice) => h("li", {}, notice.text))),
-      );
+      write(name, mesh.name);
+      write(facts, `${plural(mesh.vertices, "vertex", "vertices")} · ${plural(mesh.faces, "face")}`);
+      name.title = `${mesh.name}: ${count(mesh.vertices)} vertices, ${count(mesh.faces)} faces`;
+      button.hidden = true;
+    },
+    /** Takes a `doctor` event. */
+    judge(report) {
+      button.replaceChildren(healthBadge(health(report)));
+      button.hidden = false;
     },
   };
 }

@@ -39,7 +39,7 @@ function address({ sample, specs, values, opened }) {
   return url.href;
 }
 
-/** `state()` gives `{ sample, name, specs, values, opened }` of the document. */
+/** `state()` gives `{ sample, isChanged, name, specs, values, opened }` of the document. */
 export function shareButton(state) {
   const panel = byId("share-pop");
   const [title, field, note] = panel.children;
@@ -51,7 +51,7 @@ export function shareButton(state) {
       field.setSelectionRange(0, field.value.length, "backward");
       title.textContent = "Link to this setting";
       note.textContent = now.sample
-        ? "Whoever opens it sees the same sample with the same parameters."
+        ? `Whoever opens it sees the same sample with the same parameters${now.isChanged ? ", before repair and preparation" : ""}.`
         : `It holds the parameters only: ${now.name} never leaves this computer, so send the file too.`;
       try {
         await navigator.clipboard.writeText(field.value);

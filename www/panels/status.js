@@ -15,8 +15,12 @@ export function statusPanel({ run, pause, step, reset }) {
   let text = line.textContent;
   let at = 0;
   let atRest = null;
+  /** Why nothing can be run, null where it can. */
+  let blocked = null;
   let energy = { start: null, now: null };
   let pace = { steps: 0, spent: 0 };
+
+  const titles = new Map(Object.values(buttons).map((button) => [button, button.title]));
 
   buttons.run.addEventListener("click", run);
   buttons.pause.addEventListener("click", pause);
@@ -43,13 +47,15 @@ export function statusPanel({ run, pause, step, reset }) {
   }
 
   function enable() {
-    const canStart = STARTABLE.includes(state);
+    const canStart = STARTABLE.includes(state) && blocked === null;
     // A button that the keyboard stands on hands the focus to the one that takes its place.
     const focused = document.activeElement;
     buttons.run.disabled = !canStart;
     buttons.pause.disabled = state !== "running";
     buttons.step.disabled = !canStart;
-    buttons.reset.disabled = state === "loading" || (state === "ready" && at === 0) || state === "error";
+    const isAtStart = state === "ready" && at === 0;
+    buttons.reset.disabled = isAtStart || ["loading", "preparing", "error"].includes(state) || blocked !== null;
+    for (const [button, title] of titles) button.title = blocked ?? title;
     if (focused === buttons.run && state === "running") buttons.pause.focus();
     if (focused === buttons.pause && canStart) buttons.run.focus();
   }
@@ -67,6 +73,11 @@ export function statusPanel({ run, pause, step, reset }) {
       enable();
       if (changed) line.dataset.state = "";
       count();
+    },
+    /** Takes the reason why the mesh cannot be cut yet, null where it can. */
+    block(reason) {
+      blocked = reason;
+      enable();
     },
     /** Back to what was shown before an error, where nothing else has come since. */
     recover() {

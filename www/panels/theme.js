@@ -1,32 +1,16 @@
 // Dark and light: follows the system until a person says otherwise, and again when both agree.
 
 import { byId } from "../dom.js";
+import { recall, remember } from "../storage.js";
 
-const KEY = "cutflow.theme";
-
-function recall() {
-  try {
-    return localStorage.getItem(KEY);
-  } catch {
-    // Private windows and embedded pages may have no storage; the choice then lasts as long as the page.
-    return null;
-  }
-}
-
-function remember(choice) {
-  try {
-    if (choice) localStorage.setItem(KEY, choice);
-    else localStorage.removeItem(KEY);
-  } catch {
-    // See above.
-  }
-}
+/** The name of the choice in the storage. */
+const KEY = "theme";
 
 /** `changed(dark)` is called at once and after every change. */
 export function theme(changed) {
   const system = matchMedia("(prefers-color-scheme: dark)");
   const button = byId("theme");
-  let choice = recall();
+  let choice = recall(KEY);
 
   const isDark = () => (choice ? choice === "dark" : system.matches);
   function apply() {
@@ -38,7 +22,7 @@ export function theme(changed) {
   button.addEventListener("click", () => {
     const wanted = isDark() ? "light" : "dark";
     choice = (wanted === "dark") === system.matches ? null : wanted;
-    remember(choice);
+    remember(KEY, choice);
     apply();
   });
   system.addEventListener("change", apply);

@@ -1,0 +1,38 @@
+// What the flattened view says when it has nothing to show, and the way on.
+
+import { byId, h, icon } from "../dom.js";
+
+/** @param on `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()` */
+export function emptyState(on) {
+  const host = byId("empty");
+  const action = (label, run) => h("button", { class: "btn primary", onclick: run }, label);
+  const states = {
+    blocked: (canRepair) => [
+      icon("block"),
+      h(
+        "p",
+        {},
+        "Repair the mesh first: see ",
+        h("button", { class: "link", onclick: on.openMesh }, "Mesh"),
+        h("span", { class: "wide" }, " on the left"),
+      ),
+      canRepair ? action("Repair now", on.repairAll) : null,
+    ],
+    marked: () => [
+      icon("eye"),
+      h("p", {}, "A finding is marked on the surface."),
+      h("button", { class: "btn outlined", onclick: on.toPieces }, "Back to the pieces"),
+    ],
+  };
+  let shown = "";
+  return {
+    /** Takes the state's name, null for none, and whether a repair is on offer. */
+    show(name, canRepair = false) {
+      const print = `${name} ${canRepair}`;
+      if (print === shown) return;
+      shown = print;
+      host.hidden = name === null;
+      host.replaceChildren(...(name === null ? [] : states[name](canRepair).filter((node) => node !== null)));
+    },
+  };
+}
