@@ -14,6 +14,7 @@ mod flattening;
 mod golden;
 mod measuring;
 mod mutation;
+mod opening;
 mod patterns;
 mod reading;
 mod reading_obj;
