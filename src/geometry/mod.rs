@@ -8,6 +8,7 @@
 
 mod curvature;
 mod distance;
+pub mod doctor;
 mod laplacian;
 pub mod polygon;
 
