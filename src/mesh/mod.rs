@@ -8,6 +8,7 @@
 
 mod chains;
 mod cut_mesh;
+pub mod doctor;
 mod halfedge;
 pub mod read;
 mod soup;

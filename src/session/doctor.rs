@@ -31,7 +31,8 @@ pub fn report(document: &Document, shown: Option<&str>) -> DoctorReport {
     } else {
         "Healthy: ready to be cut.".to_owned()
     };
-    let repair_all = recommended(examination).map(|repair| repair_choice(&repair).label).collect();
+    let repair_all =
+        examination.recommended().iter().map(|repair| repair_choice(repair).label).collect();
     DoctorReport { solvable, headline, repair_all, shown: shown.map(str::to_owned), findings }
 }
 
@@ -57,12 +58,6 @@ pub fn blocked(name: &str, examination: &Examination) -> Problem {
     )
 }
 
-/// The repairs that stand between a mesh and a cut.
-fn recommended(examination: &Examination) -> impl Iterator<Item = Repair> + '_ {
-    let findings = examination.findings.iter().filter(|f| f.recommended);
-    findings.filter_map(|f| f.repairs.first().copied())
-}
-
 /// The gravest first; as found where they are alike.
 fn sorted(examination: &Examination) -> Vec<&Finding> {
     let mut findings: Vec<&Finding> = examination.findings.iter().collect();
@@ -76,9 +71,6 @@ fn finding_text(document: &Document, finding: &Finding) -> FindingText {
         Severity::Warning => "warning",
         Severity::Note => "note",
     };
-    // A repair that a document of more than one component does not need is not offered either.
-    let mut repairs: Vec<RepairChoice> = finding.repairs.iter().map(repair_choice).collect();
-    repairs.dedup();
     FindingText {
         id: finding.kind.id().to_owned(),
         severity,
@@ -86,7 +78,7 @@ fn finding_text(document: &Document, finding: &Finding) -> FindingText {
         text: sentence(finding),
         place: place(finding),
         can_show: Marks::of(document, finding).is_some(),
-        repairs,
+        repairs: finding.repairs.iter().map(repair_choice).collect(),
     }
 }
 

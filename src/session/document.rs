@@ -85,7 +85,7 @@ impl Document {
         let soup = Rc::new(soup);
         let mut surface = None;
         let has = |kind| examination.findings.iter().any(|f| f.kind == kind);
-        if examination.is_solvable() {
+        if examination.is_solvable {
             // A closed surface that is inside out is solved the right way round; the file stays as it is.
             if has(FindingKind::InsideOut) {
                 triangles.iter_mut().for_each(|t| t.swap(1, 2));
@@ -108,12 +108,12 @@ impl Document {
             vertices: soup.positions.len(),
             faces: soup.polygon_count(),
             triangles: triangles.len(),
-            components: examination.components,
-            boundary_loops: examination.boundary_loops,
+            components: examination.components.len(),
+            boundary_loops: examination.boundary_loops.len(),
             genus: examination.genus,
             euler: examination.euler,
             area: examination.area,
-            isolated_vertices: examination.isolated_vertices(),
+            isolated_vertices: soup.positions.len() - examination.vertices,
             solvable: surface.is_some(),
             notices,
         };
@@ -147,7 +147,7 @@ impl Document {
             ));
         };
         let name = super::doctor::repair_name(&repair);
-        let (soup, changes) = doctor::repair(&self.soup, &repair);
+        let (soup, changes) = doctor::repair(&self.soup, repair);
         if changes == 0 {
             return Err(Problem::new(
                 format!("There is nothing to repair: “{name}” would change nothing."),
