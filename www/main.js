@@ -113,6 +113,8 @@ const handlers = {
     document.title = `Cutflow – ${event.name}`;
     mesh.show(event);
     meshPanel.show(event);
+    plot.clear();
+    status.clear();
     error.hideRefusal();
     delete root.dataset.rejected;
     for (const id of ["export", "share"]) byId(id).disabled = false;
@@ -319,7 +321,7 @@ async function opening(name, open) {
 }
 
 async function openFile(file, left) {
-  if (left > 0) say(`${file.name} is opened: one mesh at a time. ${plural(left, "other file")} left out.`);
+  if (left > 0) say(`Opening ${file.name}. ${plural(left, "other file was", "other files were")} left out: one mesh at a time.`);
   try {
     await opening(file.name, async () => client.openMesh(file.name, new Uint8Array(await file.arrayBuffer())));
   } catch (reason) {

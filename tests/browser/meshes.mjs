@@ -79,3 +79,102 @@ export function uvAreas({ uvs, triangles }) {
     return ((c - a) * (f - b) - (e - a) * (d - b)) / 2;
   });
 }
+
+/** Points and faces, 0-based, as an OBJ. */
+export function asObj({ vertices, triangles }) {
+  const lines = [...vertices.map((v) => `v ${v.join(" ")}`), ...triangles.map(({ v }) => `f ${v.map((i) => i + 1).join(" ")}`)];
+  return `${lines.join("\n")}\n`;
+}
+
+/** The same mesh with every third face turned around. */
+export const withFlippedFaces = (mesh) => ({
+  ...mesh,
+  triangles: mesh.triangles.map(({ v }, i) => ({ v: i % 3 === 0 ? v.toReversed() : v })),
+});
+
+/** The same mesh without two faces that share a vertex and no neighbour: the two holes touch in that vertex, a bow-tie. */
+export function withTouchingHoles({ vertices, triangles }) {
+  const shared = (one, other) => one.filter((i) => other.includes(i));
+  const [{ v: first }] = triangles;
+  const [apex] = first;
+  const around = triangles.map(({ v }) => v).filter((v) => v.includes(apex) && v !== first);
+  const isNeighbour = (one, other) => shared(one, other).length === 2;
+  // On a vertex of five or six faces, one that is no neighbour of the first leaves a face on either side.
+  const second = around.find((v) => !isNeighbour(v, first));
+  return { vertices, triangles: triangles.filter(({ v }) => v !== first && v !== second) };
+}
+
+/** A binary STL: loose triangles, each with its own corners. */
+export function asStl({ vertices, triangles }) {
+  const bytes = Buffer.alloc(84 + 50 * triangles.length);
+  bytes.writeUInt32LE(triangles.length, 80);
+  triangles.forEach(({ v }, i) => {
+    const numbers = [0, 0, 0, ...v.flatMap((k) => vertices[k])];
+    numbers.forEach((x, k) => bytes.writeFloatLE(x, 84 + 50 * i + 4 * k));
+  });
+  return bytes;
+}
+
+/** A binary PLY, little-endian. */
+export function asPly({ vertices, triangles }) {
+  const header = [
+    "ply",
+    "format binary_little_endian 1.0",
+    `element vertex ${vertices.length}`,
+    ...["x", "y", "z"].map((name) => `property float ${name}`),
+    `element face ${triangles.length}`,
+    "property list uchar int vertex_indices",
+    "end_header\n",
+  ].join("\n");
+  const faces = triangles.map(({ v }) => Buffer.concat([Buffer.from([3]), int32(v)]));
+  return Buffer.concat([Buffer.from(header), float32(vertices.flat()), ...faces]);
+}
+
+/** An OFF. */
+export function asOff({ vertices, triangles }) {
+  const lines = ["OFF", `${vertices.length} ${triangles.length} 0`, ...vertices.map((v) => v.join(" "))];
+  return [...lines, ...triangles.map(({ v }) => `3 ${v.join(" ")}`), ""].join("\n");
+}
+
+/** A GLB with one mesh of one primitive. */
+export function asGlb({ vertices, triangles }) {
+  const [points, indices] = [float32(vertices.flat()), int32(triangles.flatMap(({ v }) => v))];
+  const bound = (pick) => [0, 1, 2].map((k) => Math.fround(pick(...vertices.map((v) => v[k]))));
+  const json = {
+    asset: { version: "2.0" },
+    scene: 0,
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
+    buffers: [{ byteLength: points.length + indices.length }],
+    bufferViews: [
+      { buffer: 0, byteOffset: 0, byteLength: points.length },
+      { buffer: 0, byteOffset: points.length, byteLength: indices.length },
+    ],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: vertices.length, type: "VEC3", min: bound(Math.min), max: bound(Math.max) },
+      { bufferView: 1, componentType: 5125, count: 3 * triangles.length, type: "SCALAR" },
+    ],
+  };
+  const text = JSON.stringify(json);
+  const chunks = [
+    chunk(0x4e4f534a, Buffer.from(text.padEnd(4 * Math.ceil(text.length / 4)))),
+    chunk(0x004e4942, Buffer.concat([points, indices])),
+  ];
+  const size = 12 + chunks.reduce((sum, { length }) => sum + length, 0);
+  return Buffer.concat([Buffer.from("glTF"), int32([2, size]), ...chunks]);
+}
+
+const chunk = (type, content) => Buffer.concat([int32([content.length, type]), content]);
+
+function float32(numbers) {
+  const bytes = Buffer.alloc(4 * numbers.length);
+  numbers.forEach((x, i) => bytes.writeFloatLE(x, 4 * i));
+  return bytes;
+}
+
+function int32(numbers) {
+  const bytes = Buffer.alloc(4 * numbers.length);
+  numbers.forEach((x, i) => bytes.writeInt32LE(x, 4 * i));
+  return bytes;
+}

@@ -42,22 +42,28 @@ export class Page {
     return this.page.getByLabel(label, { exact: true });
   }
 
-  /** Chooses a file, given by name and text, through the file input. */
-  async chooseFile(name, text) {
-    const file = { name, mimeType: "text/plain", buffer: Buffer.from(text) };
+  /** Chooses a file, given by name and content (text or bytes), through the file input. */
+  async chooseFile(name, content) {
+    const file = { name, mimeType: "application/octet-stream", buffer: Buffer.from(content) };
     await this.page.getByLabel("Open mesh", { exact: true }).setInputFiles(file);
   }
 
   /** Drops a file on the page, as from a file manager. */
-  async dropFile(name, text) {
-    const transfer = await this.page.evaluateHandle(
-      ({ name, text }) => {
-        const transfer = new DataTransfer();
-        transfer.items.add(new File([text], name));
-        return transfer;
-      },
-      { name, text },
-    );
+  dropFile(name, content) {
+    return this.dropFiles({ [name]: content });
+  }
+
+  /** Drops several files at once: contents by name, in this order. */
+  async dropFiles(contents) {
+    const files = Object.entries(contents).map(([name, content]) => [name, Buffer.from(content).toString("base64")]);
+    const transfer = await this.page.evaluateHandle((files) => {
+      const transfer = new DataTransfer();
+      for (const [name, code] of files) {
+        const bytes = Uint8Array.from(atob(code), (letter) => letter.charCodeAt(0));
+        transfer.items.add(new File([bytes], name));
+      }
+      return transfer;
+    }, files);
     for (const type of ["dragenter", "dragover", "drop"]) {
       await this.page.dispatchEvent("body", type, { dataTransfer: transfer });
     }
@@ -83,6 +89,43 @@ export class Page {
       has: this.page.getByRole("rowheader", { name: label, exact: true }),
     });
     return Number.parseFloat((await row.getByRole("cell").first().textContent()).replace("−", "-"));
+  }
+
+  /** The Mesh section, or a part of it: `Size`, `Doctor`, `Prepare`. */
+  meshSection(part) {
+    const section = this.page.getByRole("group", { name: "Mesh", exact: true });
+    return part ? section.getByRole("group", { name: part, exact: true }) : section;
+  }
+
+  /** Opens the Mesh section where it is closed. */
+  async openMeshSection() {
+    const isOpen = await this.meshSection().evaluate((section) => section.open);
+    if (!isOpen) await this.meshSection().locator("summary").first().click();
+  }
+
+  /** `{ vertices, faces }` as the head of the Mesh section says. */
+  async counts() {
+    const text = await this.meshSection().locator("summary").first().textContent();
+    const number = (noun) => Number(new RegExp(`([\\d\u202f]+) ${noun}`).exec(text)?.[1].replaceAll("\u202f", ""));
+    return { vertices: number("vert"), faces: number("face") };
+  }
+
+  /** Waits until `answer()` says what is wanted, and gives it. */
+  async until(what, answer, isWanted) {
+    const end = Date.now() + PATIENCE_MS;
+    let value;
+    do {
+      value = await answer();
+      if (isWanted(value)) return value;
+      await this.page.waitForTimeout(20);
+    } while (Date.now() < end);
+    throw new Error(`${what}: ${JSON.stringify(value)}`);
+  }
+
+  /** The numbers in the boxes of the size: width, height and depth. */
+  sizes() {
+    const value = (label) => this.meshSection("Size").getByLabel(label, { exact: true }).inputValue();
+    return Promise.all(["Width (x)", "Height (y)", "Depth (z)"].map(async (label) => Number((await value(label)).replace("\u202f", ""))));
   }
 
   /** The paragraphs of the error that is shown. */

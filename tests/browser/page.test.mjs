@@ -15,13 +15,12 @@ const CANVASES = ["Surface view", "Flattened view"];
 /** Mean difference of the backends' pictures, of 255. Edges are smoothed differently; a wrong colour space shows as 10 to 40. */
 const ALIKE = 3;
 
-/** Files that are no surface, by what is wrong with them. */
+/** Files that cannot be read as a mesh, by what is wrong with them. */
 const BAD_FILES = {
   "page.obj": "<!doctype html>\n<title>404 Not Found</title>\n",
   "no-faces.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\n",
   "out-of-range.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n",
   "not-finite.obj": "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n",
-  "fin.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n",
 };
 
 /** By backend, the two canvases after the same two steps. */

@@ -23,6 +23,7 @@ export function doctorPanel(on) {
   let fingerprint = "";
   let canRepair = false;
   let isBusy = false;
+  let hadFocus = false;
 
   function repairButton({ id, label, help }, describedby) {
     const attributes = { class: "act", "data-repair": true, "aria-describedby": describedby, title: help, onclick: () => on.repair(id) };
@@ -76,8 +77,6 @@ export function doctorPanel(on) {
   }
 
   function build(report) {
-    // A button that has done its work is gone: whoever stood on it goes on at the verdict.
-    const hadFocus = node.contains(document.activeElement);
     toggles = new Map();
     const rank = ({ severity }) => ORDER.indexOf(severity);
     list.replaceChildren(...[...report.findings].sort((a, b) => rank(a) - rank(b)).map(row));
@@ -90,7 +89,6 @@ export function doctorPanel(on) {
     all.title = canRepair ? `Repair all: ${report.repair_all.join("; ")}` : "There is no repair for this";
     plan.hidden = !canRepair;
     plan.replaceChildren(...report.repair_all.map((label) => h("li", {}, label)));
-    if (hadFocus && !node.contains(document.activeElement)) headline.focus();
   }
 
   function enable() {
@@ -114,12 +112,16 @@ export function doctorPanel(on) {
       }
       enable();
       node.hidden = false;
+      // A button that has done its work is gone: whoever stood on it goes on at the verdict.
+      if (hadFocus) headline.focus();
+      hadFocus = false;
     },
     busy(now) {
       isBusy = now;
       enable();
     },
     hide() {
+      hadFocus = node.contains(document.activeElement);
       node.hidden = true;
     },
   };

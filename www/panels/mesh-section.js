@@ -92,7 +92,10 @@ export function meshSection(host, on) {
       report = event;
       badge.replaceChildren(healthBadge(health(event)));
       doctor.show(event);
-      if (isNew && !event.solvable) section.open = true;
+      if (isNew && !event.solvable) {
+        section.open = true;
+        section.parentElement.scrollTop = 0;
+      }
       if (mesh) summarise();
     },
     /** Takes a `size` event. */

@@ -31,7 +31,7 @@ export function energyPlot(host) {
   let points = [];
   let size = { width: 0, height: 0 };
   const svg = s("svg", { role: "img", "aria-label": "Energy" });
-  const hint = h("p", { class: "muted" }, "The energy of each step appears here. Press Run.");
+  const hint = h("p", { class: "muted" }, "The energy of each step of a run appears here.");
   host.append(svg, hint);
 
   const redraw = paced(INTERVAL, draw);
@@ -92,6 +92,11 @@ export function energyPlot(host) {
     add(point) {
       points = points.filter(({ step }) => step < point.step && point.step > 0);
       points.push(point);
+      redraw();
+    },
+    /** Another mesh: its energies are yet to come. */
+    clear() {
+      points = [];
       redraw();
     },
     points: () => points,

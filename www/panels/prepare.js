@@ -14,6 +14,7 @@ export function preparePanel(apply) {
 
   function toolRow({ id, label, help, params }) {
     const numbers = params.map((param) => ({ id: param.id, ...numberRow(param, param, () => {}) }));
+    params.forEach((param, i) => numbers[i].show(param.default));
     const values = () => Object.fromEntries(numbers.map((number) => [number.id, number.value()]));
     const button = h("button", { class: "act", "aria-description": help, title: help, onclick: begin }, "Apply");
     function begin() {

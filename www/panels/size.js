@@ -5,18 +5,21 @@ import { fixed, parse } from "../format.js";
 
 const SIDES = ["Width (x)", "Height (y)", "Depth (z)"];
 
-/** A length in about four digits, without zeros that say nothing. */
+/** A length in about five digits, so that a metre is told to the tenth of a millimetre, without zeros that say nothing. */
 function length(value) {
   const size = Math.abs(value);
   if (size === 0) return "0";
   if (size < 1e-4) return value.toExponential(3);
-  const decimals = Math.max(0, Math.min(7, 3 - Math.floor(Math.log10(size))));
+  const decimals = Math.max(0, Math.min(8, 4 - Math.floor(Math.log10(size))));
   const text = fixed(value, decimals);
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 
+/** In three digits, to be read at a glance. */
+const brief = (value) => length(Number(value.toPrecision(3)));
+
 /** `84.3 × 40 × 62.1 mm` */
-export const sizeText = ({ boxes, display_unit }) => `${boxes.map(length).join(" × ")}\u00a0${display_unit}`;
+export const sizeText = ({ boxes, display_unit }) => `${boxes.map(brief).join(" × ")}\u00a0${display_unit}`;
 
 /** `on.setUnit(id)` and `on.setSize(axis, value)` resolve when the engine has answered. */
 export function sizePanel(on) {

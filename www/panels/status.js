@@ -85,6 +85,12 @@ export function statusPanel({ run, pause, step, reset }) {
     },
     state: () => state,
     step: () => at,
+    /** Another mesh: its energies are yet to come. */
+    clear() {
+      energy = { start: null, now: null };
+      pace = { steps: 0, spent: 0 };
+      count();
+    },
     /** Takes an `energy` event. */
     energy(point) {
       if (point.step === 0 || energy.start === null) {
