@@ -85,7 +85,8 @@ fn finding_text(document: &Document, finding: &Finding) -> FindingText {
 /// What was found, as a sentence.
 fn sentence(finding: &Finding) -> String {
     let n = finding.count;
-    let some = |one: &str, many: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {many}") };
+    let some =
+        |one: &str, many: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {many}") };
     let verb = |one: &'static str, many: &'static str| if n == 1 { one } else { many };
     let worst = finding.worst.unwrap_or(0.0);
     match finding.kind {
@@ -204,7 +205,9 @@ fn repair_choice(repair: &Repair) -> RepairChoice {
             "Weld".into(),
             "Merges open vertices that are closer than a millionth of the model's size.",
         ),
-        Repair::Weld { .. } => ("Weld equal".into(), "Merges open vertices at the very same place."),
+        Repair::Weld { .. } => {
+            ("Weld equal".into(), "Merges open vertices at the very same place.")
+        }
         Repair::SplitEdges => (
             "Split edges".into(),
             "Leaves each edge to the two faces that continue each other there; the others become parts of their own.",
@@ -229,10 +232,9 @@ fn repair_choice(repair: &Repair) -> RepairChoice {
         Repair::KeepLargest => {
             ("Keep largest".into(), "Keeps the component with the largest area, drops the others.")
         }
-        Repair::KeepComponent { component } => (
-            format!("Keep component {}", component + 1),
-            "Keeps this component, drops the others.",
-        ),
+        Repair::KeepComponent { component } => {
+            (format!("Keep component {}", component + 1), "Keeps this component, drops the others.")
+        }
         Repair::DropSmallComponents => {
             ("Drop small".into(), "Drops components with less than a hundredth of the area.")
         }
@@ -265,9 +267,10 @@ impl Marks {
     /// Of a finding, none where it names no place that can be seen.
     fn of(document: &Document, finding: &Finding) -> Option<Self> {
         // The first face of a component says nothing about where its defect is.
-        let by_component =
-            matches!(finding.kind, FindingKind::Components | FindingKind::HugeRatio);
-        if by_component || (finding.faces.is_empty() && finding.edges.is_empty() && finding.vertices.is_empty()) {
+        let by_component = matches!(finding.kind, FindingKind::Components | FindingKind::HugeRatio);
+        if by_component
+            || (finding.faces.is_empty() && finding.edges.is_empty() && finding.vertices.is_empty())
+        {
             return None;
         }
         let mut polygons = vec![false; document.soup.polygon_count()];
@@ -282,7 +285,9 @@ impl Marks {
             // Thin faces are seen by their outlines only.
             for &face in finding.faces.iter().take(MARKS / 4) {
                 let corners = document.soup.polygon(face as usize);
-                segments.extend((0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]]));
+                segments.extend(
+                    (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]]),
+                );
             }
         }
         Some(Self {
@@ -299,7 +304,8 @@ impl Marks {
             points: Vec::new(),
             segments: Vec::new(),
         };
-        let blocking = document.examination.findings.iter().filter(|f| f.severity == Severity::Blocks);
+        let blocking =
+            document.examination.findings.iter().filter(|f| f.severity == Severity::Blocks);
         for marks in blocking.filter_map(|finding| Self::of(document, finding)) {
             all.triangles.iter_mut().zip(marks.triangles).for_each(|(a, b)| *a |= b);
             all.points.extend(marks.points);

@@ -175,8 +175,7 @@ fn every_hostile_file_ends_as_its_table_says() {
             (_, Err(what)) => Some(format!("is refused: {what}")),
             (Fine(vertices, faces), Ok(d)) => {
                 let is = (d.summary.vertices, d.summary.faces, d.surface.is_some());
-                (is != (*vertices, *faces, true))
-                    .then(|| format!("{is:?} {:?}", d.summary.notices))
+                (is != (*vertices, *faces, true)).then(|| format!("{is:?} {:?}", d.summary.notices))
             }
             (Warn(vertices, faces, kind, count, blocks), Ok(d)) => {
                 let is = (d.summary.vertices, d.summary.faces, d.surface.is_none());
@@ -263,7 +262,11 @@ fn every_mesh_of_the_collection_opens_with_a_truthful_report() {
         let d = document(name, &std::fs::read(folder.join(name)).unwrap()).unwrap();
         let s = &d.summary;
         let genus = s.genus.unwrap_or(usize::MAX);
-        assert_eq!([s.vertices, s.faces, s.components, s.boundary_loops, genus], *numbers, "{name}");
+        assert_eq!(
+            [s.vertices, s.faces, s.components, s.boundary_loops, genus],
+            *numbers,
+            "{name}"
+        );
         assert!(d.surface.is_some(), "{name}: {:?}", s.notices);
     }
     let truck = std::fs::read(folder.join("milk-truck.glb")).unwrap();
@@ -286,7 +289,8 @@ fn grid(n: u32, place: impl Fn(u32, u32) -> [f64; 3]) -> String {
     for i in 0..n {
         for j in 0..n {
             let at = |i: u32, j: u32| i * (n + 1) + j + 1;
-            text += &format!("f {} {} {} {}\n", at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j));
+            text +=
+                &format!("f {} {} {} {}\n", at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j));
         }
     }
     text
@@ -315,20 +319,28 @@ fn made_meshes_with_every_blocking_defect_are_repaired_and_cut() {
     let cases = BTreeMap::from([
         ("flipped", icosphere_text(|i| i % 3 == 0, 0)),
         // A teapot's way: parts that touch along an edge, and a doubled patch.
-        ("teapot-like", format!("{ball}v 0 3 0\nv 1 3 1\nf 1 2 363\nf 2 1 364\nf 1 2 3\nf 3 2 1\n")),
+        (
+            "teapot-like",
+            format!("{ball}v 0 3 0\nv 1 3 1\nf 1 2 363\nf 2 1 364\nf 1 2 3\nf 3 2 1\n"),
+        ),
         ("bow-tie", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n".into()),
         // An ogre's way: many closed parts, some inside out, loose vertices, a sliver, faces that repeat a vertex.
-        ("ogre-like", format!(
-            "{ball}{}{}v 0 0 9\nf 1 1 2\nf 1 2 2 3\n",
-            icosphere_text(|_| true, 1), icosphere_text(|_| false, 2)
-        )),
+        (
+            "ogre-like",
+            format!(
+                "{ball}{}{}v 0 0 9\nf 1 1 2\nf 1 2 2 3\n",
+                icosphere_text(|_| true, 1),
+                icosphere_text(|_| false, 2)
+            ),
+        ),
         ("moebius", {
             let mut text = String::new();
             for i in 0..24 {
                 let (s, c) = (f64::from(i) * std::f64::consts::TAU / 24.0).sin_cos();
                 let (hs, hc) = (f64::from(i) * std::f64::consts::PI / 24.0).sin_cos();
                 for w in [-0.3, 0.3] {
-                    text += &format!("v {} {} {}\n", (1.0 + w * hc) * c, w * hs, (1.0 + w * hc) * s);
+                    text +=
+                        &format!("v {} {} {}\n", (1.0 + w * hc) * c, w * hs, (1.0 + w * hc) * s);
                 }
             }
             for i in 0..24 {
@@ -450,7 +462,8 @@ fn a_preparation_that_is_cancelled_leaves_everything_as_it_was() {
         let events = session.handle(Command::Prepare { tool: "remesh".into(), values });
         assert_eq!(errors(&events).len(), 1, "{id}");
     }
-    let events = session.handle(Command::Prepare { tool: "polish".into(), values: BTreeMap::new() });
+    let events =
+        session.handle(Command::Prepare { tool: "polish".into(), values: BTreeMap::new() });
     assert_eq!(errors(&events).len(), 1);
 }
 
@@ -486,6 +499,7 @@ fn a_large_mesh_is_shown_before_its_first_cut() {
     // Whoever does not wait gets the cut all the same.
     let mut hasty = Session::new();
     hasty.open("large.obj", text.as_bytes());
-    let events = hasty.handle(Command::SetParameter { id: "length".into(), value: Value::Number(3.0) });
+    let events =
+        hasty.handle(Command::SetParameter { id: "length".into(), value: Value::Number(3.0) });
     assert!(errors(&events).is_empty() && !hasty.history().is_empty());
 }
