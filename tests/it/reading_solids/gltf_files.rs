@@ -146,15 +146,20 @@ fn compressed_meshes_are_refused_by_the_name_of_the_extension() {
     }
     // Merely used, but with nothing else to read.
     let draco = r#""mode":4,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}}"#;
+    let used = |name: &str| format!(r#""asset":{{"version":"2.0"}},"extensionsUsed":["{name}"]"#);
+    let asset = r#""asset":{"version":"2.0"}"#;
+    let draco_used = (asset, &*used("KHR_draco_mesh_compression"));
     let bytes = sphere_glb(&[
+        draco_used,
         (r#""mode":4"#, draco),
         (r#""bufferView":0,"componentType""#, r#""componentType""#),
     ]);
     assert_eq!(refusal(gltf::read(&bytes)), "needs KHR_draco_mesh_compression, not supported");
     // With plain accessors beside it, these are read.
-    assert_eq!(counts(&gltf::read(&sphere_glb(&[(r#""mode":4"#, draco)]))), (42, 80));
+    assert_eq!(counts(&gltf::read(&sphere_glb(&[draco_used, (r#""mode":4"#, draco)]))), (42, 80));
     let meshopt = r#""byteLength":504,"extensions":{"EXT_meshopt_compression":{"buffer":0}}"#;
     let bytes = sphere_glb(&[
+        (asset, &used("EXT_meshopt_compression")),
         (r#""bufferViews":[{"buffer":0"#, r#""bufferViews":[{"buffer":1"#),
         (r#"[{"byteLength":984}]"#, r#"[{"byteLength":984},{"byteLength":984}]"#),
         (r#""byteLength":504"#, meshopt),

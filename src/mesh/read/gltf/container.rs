@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 
-use gltf::json::{Buffer, Root, Value, deserialize, extensions};
+use gltf::json::{Buffer, Root, Value, deserialize};
 
 use super::super::number::{name, quote};
 use super::super::{ReadError, ReadFault};
@@ -167,7 +167,7 @@ impl<'a> Buffers<'a> {
             return Err(fault(format!("buffer {buffer_index} does not exist")));
         };
         let is_stored = buffer.uri.is_some() || buffer_index == 0 && self.binary.is_some();
-        if let (false, Some(compression)) = (is_stored, compression(view.extensions.as_ref())) {
+        if let (false, Some(compression)) = (is_stored, compression(self.root)) {
             return Err(unsupported(compression));
         }
         let bytes = self.bytes[buffer_index].get_or_init(|| self.load(buffer_index, buffer));
@@ -213,12 +213,14 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// The compression of a buffer view, if any.
-fn compression(view: Option<&extensions::buffer::View>) -> Option<&'static str> {
-    let others = &view?.others;
-    ["EXT_meshopt_compression", "KHR_meshopt_compression"]
-        .into_iter()
-        .find(|name| others.contains_key(*name))
+/// The extension that may stand in for bytes of buffers that are not there, if any.
+fn compression(root: &Root) -> Option<&'static str> {
+    ["EXT_meshopt_compression", "KHR_meshopt_compression"].into_iter().find(|name| uses(root, name))
+}
+
+/// Whether a file says that it uses an extension.
+pub(super) fn uses(root: &Root, extension: &str) -> bool {
+    root.extensions_used.iter().any(|used| used == extension)
 }
 
 /// Decodes base64 with the standard alphabet, with or without padding; `None` where it is anything else.

@@ -288,7 +288,7 @@ impl Notes {
                 }
                 GltfNote::Animations => ("animation", format!("{n} animation{s} ignored")),
                 GltfNote::Instancing => {
-                    ("instancing", format!("{n} node{s} with EXT_mesh_gpu_instancing drawn once"))
+                    ("instancing", "copies by EXT_mesh_gpu_instancing left out".into())
                 }
                 GltfNote::TextureUnreadable => (
                     "texture_unreadable",
@@ -372,6 +372,7 @@ pub fn read(bytes: &[u8]) -> Result<Content, ReadError> {
         }
     }
     notes.add(GltfNote::Animations, root.animations.len());
+    notes.add(GltfNote::Instancing, usize::from(container::uses(&root, "EXT_mesh_gpu_instancing")));
     if scene.soup.polygon_count() == 0 {
         let points_and_lines = notes.count(GltfNote::PointsAndLines);
         let without_area = notes.count(GltfNote::NoArea);

@@ -113,9 +113,6 @@ pub(super) fn draws(root: &Root, notes: &mut Notes) -> Result<Vec<Draw>, ReadErr
             }
             draws.push(Draw { node: Some(index), mesh, transform });
             notes.add(GltfNote::Skins, usize::from(node.skin.is_some()));
-            let others = node.extensions.as_ref().map(|e| &e.others);
-            let is_many = others.is_some_and(|o| o.contains_key("EXT_mesh_gpu_instancing"));
-            notes.add(GltfNote::Instancing, usize::from(is_many));
         }
         let children = node.children.as_deref().unwrap_or_default();
         push(root, children, transform, &mut is_reached, &mut stack)?;

@@ -12,7 +12,7 @@ use gltf::json::{Index, Root};
 
 use super::super::ReadError;
 use super::accessors::{Accessor, Use};
-use super::container::{Buffers, unsupported};
+use super::container::{Buffers, unsupported, uses};
 use super::{GltfFault, GltfNote, Notes};
 use crate::mesh::Welder;
 
@@ -231,8 +231,8 @@ fn check_compression(
     let is_plain = |a: &Index<JsonAccessor>| {
         root.accessors.get(a.value()).is_none_or(|a| a.buffer_view.is_some())
     };
-    let is_compressed = primitive.extensions.as_ref().is_some_and(|e| e.others.contains_key(NAME));
-    if is_compressed && !(is_plain(positions) && primitive.indices.as_ref().is_none_or(is_plain)) {
+    let is_there = is_plain(positions) && primitive.indices.as_ref().is_none_or(is_plain);
+    if !is_there && uses(root, NAME) {
         return Err(unsupported(NAME));
     }
     Ok(())
