@@ -58,6 +58,29 @@ pub fn blocked(name: &str, examination: &Examination) -> Problem {
     )
 }
 
+/// Refuses what no repair can make a surface of.
+pub fn refuse_hopeless(name: &str, examination: &Examination) -> Result<(), Problem> {
+    let place = format!("{name}.");
+    let check = "Check the export; the scale or one of the directions may have been lost.";
+    if examination.find(FindingKind::NoExtent).is_some() {
+        return Err(Problem::new("The mesh has no extent: all its points coincide.", place, check));
+    }
+    if examination.find(FindingKind::NoFaces).is_some() {
+        let what = "The mesh has no faces.";
+        return Err(Problem::new(what, place, "Export a surface with faces: points and lines cannot be cut."));
+    }
+    let flat = examination.find(FindingKind::DegenerateFaces);
+    match flat.filter(|f| f.severity == Severity::Blocks).map(|f| f.count) {
+        None => Ok(()),
+        Some(1) => Err(Problem::new("The only face has zero area.", place, check)),
+        Some(n) => Err(Problem::new(
+            format!("All {n} faces have zero area: the points lie on lines."),
+            place,
+            check,
+        )),
+    }
+}
+
 /// The gravest first; as found where they are alike.
 fn sorted(examination: &Examination) -> Vec<&Finding> {
     let mut findings: Vec<&Finding> = examination.findings.iter().collect();

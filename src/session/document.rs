@@ -84,10 +84,10 @@ impl Document {
         let (mut triangles, triangle_polygons, polygons) = triangulate(&soup);
         let soup = Rc::new(soup);
         let mut surface = None;
-        let has = |kind| examination.findings.iter().any(|f| f.kind == kind);
+        super::doctor::refuse_hopeless(name, &examination)?;
         if examination.is_solvable {
             // A closed surface that is inside out is solved the right way round; the file stays as it is.
-            if has(FindingKind::InsideOut) {
+            if examination.find(FindingKind::InsideOut).is_some() {
                 triangles.iter_mut().for_each(|t| t.swap(1, 2));
             }
             let own = triangles.clone();

@@ -36,7 +36,7 @@ const BAD: &[(&str, Expect)] = &[
     ("random-bytes.obj", Error("not a")),
     ("random-bytes.stl", Error("")),
     ("stl-named.ply", Fine(162, 320)),
-    ("truncated.obj", Warn(162, 200, "incomplete_face", 1, false)),
+    ("truncated.obj", Warn(162, 200, "incomplete_face", 1, true)),
     ("truncated.ply", Error("126 of 320")),
     ("truncated.stl", Error("200 of 320")),
     ("truncated.glb", Error("2661")),
@@ -102,7 +102,7 @@ const BAD: &[(&str, Expect)] = &[
     ("bad-json.glb", Error("JSON")),
     ("version-1.glb", Error("glTF 1")),
     ("strip-no-indices.glb", Fine(12, 10)),
-    ("mirrored-instances.glb", Warn(126, 160, "zero_area", 80, false)),
+    ("mirrored-instances.glb", Warn(126, 160, "no_area", 1, false)),
     ("lines-only.glb", Error("no triangles")),
 ];
 
@@ -169,7 +169,7 @@ fn every_hostile_file_ends_as_its_table_says() {
         let bytes = std::fs::read(folder.join(name)).unwrap();
         let result = document(name, &bytes);
         let fault = match (expected, &result) {
-            (Error(text), Err(what)) if what.contains(text) => None,
+            (Error(text), Err(what)) if what.to_lowercase().contains(&text.to_lowercase()) => None,
             (Error(text), Err(what)) => Some(format!("says “{what}”, not “{text}”")),
             (Error(_), Ok(_)) => Some("opens".to_owned()),
             (_, Err(what)) => Some(format!("is refused: {what}")),

@@ -279,17 +279,18 @@ fn no_byte_outside_the_file_is_asked_for() {
         ),
         (
             "{\"mesh\":0}",
-            "{\"mesh\":0,\"scale\":[1e39,1,1]}",
-            "node 0: its transform is not finite",
-        ),
-        (
-            "{\"mesh\":0}",
             "{\"mesh\":0,\"translation\":[3e38,0,0],\"children\":[1]},{\"mesh\":0,\"translation\":[3e38,0,0]}",
             "node 1: moves a vertex beyond 3.4e38",
         ),
     ] {
         assert_eq!(refusal(gltf::read(&sphere_glb(&[(from, to)]))), expected);
     }
+    // How far the parser of numbers goes depends on its build: infinity, or a refusal of its own.
+    let huge = refusal(gltf::read(&sphere_glb(&[(
+        "{\"mesh\":0}",
+        "{\"mesh\":0,\"scale\":[1e39,1,1]}",
+    )])));
+    assert!(huge.contains("not finite") || huge.contains("out of range"), "{huge}");
     let mut bytes = sphere_glb(&[]);
     let end = bytes.len();
     bytes[end - 480 + 2 * 22..][..2].copy_from_slice(&60000_u16.to_le_bytes());
