@@ -146,6 +146,8 @@ describe("meshes as they come", { timeout: 600_000 }, () => {
     await page.openMeshSection();
     const picture = async () => {
       await browser.page.mouse.move(5, 5);
+      // A notice from before would be in the picture.
+      await browser.page.locator("#toast").waitFor({ state: "hidden" });
       // The newest scene may take a frame or two to reach the canvas.
       await browser.page.waitForTimeout(500);
       return decodePng(await page.canvas("Surface view").screenshot());
