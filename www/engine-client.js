@@ -220,7 +220,7 @@ export class EngineClient {
   }
 
   async #revive(sentence) {
-    // What was done to the mesh may be what kills it: that is left out of the second attempt, the mesh out of the third.
+    // What was done to the mesh may be what kills it: the second attempt leaves that out, the third the mesh itself.
     const mesh = this.#deaths < ATTEMPTS ? this.#meshes[this.#at] : null;
     const isFirst = this.#deaths < 2;
     const [values, size] = [{ ...this.#values }, this.#size];

@@ -126,13 +126,17 @@ describe("meshes as they come", { timeout: 600_000 }, () => {
   }
 
   it("takes a repair back", async () => {
-    for (let i = 0; (await button(browser.page, "Run").isEnabled()) && i < 4; i += 1) {
+    const run = button(browser.page, "Run");
+    const change = () => button(browser.page, "Undo").getAttribute("title");
+    // Above the repair lie the run and the reset.
+    for (let i = 0; i < 4 && (await run.isEnabled()); i += 1) {
+      const last = await change();
       await page.press("Undo");
-      await browser.page.waitForTimeout(300);
+      await page.until("one change less", change, (title) => title !== last);
     }
-    assert.ok(await button(browser.page, "Run").isDisabled(), "the mesh is damaged again");
+    assert.ok(await run.isDisabled(), "the mesh is damaged again");
     await page.press("Redo");
-    await page.until("it can be run", () => button(browser.page, "Run").isEnabled(), Boolean);
+    await page.until("it can be run", () => run.isEnabled(), Boolean);
   });
 
   it("marks a finding on a mesh that can be cut, and goes back to the pieces", async () => {
@@ -142,6 +146,8 @@ describe("meshes as they come", { timeout: 600_000 }, () => {
     await page.openMeshSection();
     const picture = async () => {
       await browser.page.mouse.move(5, 5);
+      // A notice from before would be in the picture.
+      await browser.page.locator("#toast").waitFor({ state: "hidden" });
       // The newest scene may take a frame or two to reach the canvas.
       await browser.page.waitForTimeout(500);
       return decodePng(await page.canvas("Surface view").screenshot());

@@ -18,7 +18,8 @@ export function doctorPanel(on) {
   const all = h("button", { class: "btn primary", onclick: on.repairAll }, "Repair all");
   const plan = h("ol", { class: "plan", "aria-label": "What Repair all does" });
   const list = h("ul", { class: "found", "aria-label": "Findings" });
-  const node = h("fieldset", { "aria-label": "Doctor", hidden: true }, h("legend", {}, "Doctor"), headline, all, plan, list);
+  const legend = h("legend", {}, "Doctor");
+  const node = h("fieldset", { "aria-label": "Doctor", hidden: true }, legend, headline, all, plan, list);
   let toggles = new Map();
   let fingerprint = "";
   let canRepair = false;
@@ -26,8 +27,8 @@ export function doctorPanel(on) {
   let hadFocus = false;
 
   function repairButton({ id, label, help }, describedby) {
-    const attributes = { class: "act", "data-repair": true, "aria-describedby": describedby, title: help, onclick: () => on.repair(id) };
-    return h("button", attributes, label);
+    const what = { class: "act", "data-repair": true, "aria-describedby": describedby, title: help };
+    return h("button", { ...what, onclick: () => on.repair(id) }, label);
   }
 
   function row(finding) {

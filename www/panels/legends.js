@@ -70,7 +70,7 @@ function flatSummary({ patches }, pattern) {
 export function legends(surface, flat) {
   let shown = "";
   return {
-    /** Takes a scene, the size of the pattern where the engine tells it, and what is marked in place of the pieces, if anything. */
+    /** Takes a scene, the size of the pattern where it is known, and what is marked in place of the pieces, if anything. */
     show(scene, pattern, marked) {
       const print = JSON.stringify([scene.field, scene.patches.map((p) => [p.area_fraction, p.has_chart, p.flipped]), pattern, marked]);
       if (print === shown) return;

@@ -33,8 +33,8 @@ function factsOf(mesh) {
 }
 
 /**
- * @param on `repair(id)`, `repairAll()`, `showFinding(id)`, `setUnit(id)`, `setSize(axis, value)` (resolved when the engine has
- * answered), `prepare(tool, values)`
+ * @param on `repair(id)`, `repairAll()`, `showFinding(id)`, `prepare(tool, values)`; `setUnit(id)` and
+ * `setSize(axis, value)` resolve when the engine has answered
  */
 export function meshSection(host, on) {
   const line = h("span", { class: "line" });

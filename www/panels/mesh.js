@@ -14,12 +14,14 @@ export function health({ solvable, findings }) {
 }
 
 /** The state with its icon, in a colour that only repeats what the icon says. */
-export const healthBadge = (state) => h("span", { class: `health ${state.id}` }, icon(state.icon), h("span", {}, state.text));
+export const healthBadge = ({ id, icon: shape, text }) =>
+  h("span", { class: `health ${id}` }, icon(shape), h("span", {}, text));
 
 /** `open()` shows the whole report. */
 export function meshLine(open) {
   const [name, facts] = [h("b"), h("span")];
-  const button = h("button", { class: "link", title: "Size, repairs and preparation of the mesh", hidden: true, onclick: open });
+  const title = "Size, repairs and preparation of the mesh";
+  const button = h("button", { class: "link", title, hidden: true, onclick: open });
   byId("mesh").append(name, facts, button);
 
   return {

@@ -45,8 +45,8 @@ function scale({ min, max, step, logarithmic, integer }) {
 }
 
 /**
- * `{ row, show(value), value() }`: a number with its slider. `spec` names and explains it (`label`, `symbol`, `unit`, `help`,
- * `default`), `range` bounds it (`min`, `max`, `step`, `logarithmic`, `integer`); `change(value)` is called while it moves.
+ * `{ row, show(value), value() }`: a number with its slider. `spec` names it (`label`, `symbol`, `unit`, `help`, `default`),
+ * `range` bounds it (`min`, `max`, `step`, `logarithmic`, `integer`); `change(value)` is called while it moves.
  */
 export function numberRow(spec, range, change) {
   const { text, toNotch, fromNotch, round } = scale(range);

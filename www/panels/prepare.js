@@ -59,12 +59,13 @@ export function preparePanel(apply) {
       for (const { id, advice } of options) rows.get(id).recommend(advice);
       node.hidden = options.length === 0;
       enable();
-      if (document.activeElement === document.body) rows.get(begun)?.button.focus({ preventScroll: true });
-      begun = null;
     },
     busy(now) {
       isBusy = now;
       enable();
+      if (isBusy) return;
+      if (document.activeElement === document.body) rows.get(begun)?.button.focus({ preventScroll: true });
+      begun = null;
     },
   };
 }

@@ -5,7 +5,7 @@ import { fixed, parse } from "../format.js";
 
 const SIDES = ["Width (x)", "Height (y)", "Depth (z)"];
 
-/** A length in about five digits, so that a metre is told to the tenth of a millimetre, without zeros that say nothing. */
+/** Five digits, so that a metre is told to the tenth of a millimetre, without zeros that say nothing. */
 function length(value) {
   const size = Math.abs(value);
   if (size === 0) return "0";
