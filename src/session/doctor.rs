@@ -67,7 +67,11 @@ pub fn refuse_hopeless(name: &str, examination: &Examination) -> Result<(), Prob
     }
     if examination.find(FindingKind::NoFaces).is_some() {
         let what = "The mesh has no faces.";
-        return Err(Problem::new(what, place, "Export a surface with faces: points and lines cannot be cut."));
+        return Err(Problem::new(
+            what,
+            place,
+            "Export a surface with faces: points and lines cannot be cut.",
+        ));
     }
     let flat = examination.find(FindingKind::DegenerateFaces);
     match flat.filter(|f| f.severity == Severity::Blocks).map(|f| f.count) {

@@ -286,10 +286,8 @@ fn no_byte_outside_the_file_is_asked_for() {
         assert_eq!(refusal(gltf::read(&sphere_glb(&[(from, to)]))), expected);
     }
     // How far the parser of numbers goes depends on its build: infinity, or a refusal of its own.
-    let huge = refusal(gltf::read(&sphere_glb(&[(
-        "{\"mesh\":0}",
-        "{\"mesh\":0,\"scale\":[1e39,1,1]}",
-    )])));
+    let huge =
+        refusal(gltf::read(&sphere_glb(&[("{\"mesh\":0}", "{\"mesh\":0,\"scale\":[1e39,1,1]}")])));
     assert!(huge.contains("not finite") || huge.contains("out of range"), "{huge}");
     let mut bytes = sphere_glb(&[]);
     let end = bytes.len();
