@@ -14,6 +14,7 @@ mod flattening;
 mod golden;
 mod measuring;
 mod patterns;
+mod preparing;
 mod reading;
 mod scripts;
 mod surfaces;
