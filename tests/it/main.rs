@@ -16,6 +16,7 @@ mod measuring;
 mod mutation;
 mod opening;
 mod patterns;
+mod preparing;
 mod reading;
 mod reading_obj;
 mod reading_off;

@@ -58,6 +58,10 @@ const TURN: f64 = 0.2;
 /// Faces thinner than this (1 equilateral) are not made, unless they were thinner before.
 const THIN: f64 = 0.1;
 
+/// Nearer than this to an end of an edge along a line, in edge lengths, its new vertex is that end: the pull towards given
+/// vertices would otherwise move corners of a rim a little, and cut them.
+const SNAP: f64 = 0.05;
+
 /// What may happen to a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -106,6 +110,7 @@ pub struct DecimateFlow {
     error: f64,
     steps: usize,
     status: Status,
+    scratch: [Vec<u32>; 2],
     state: Prepared,
 }
 
@@ -149,6 +154,7 @@ impl DecimateFlow {
             error: 0.0,
             steps: 0,
             status: Status::Running,
+            scratch: Default::default(),
             state,
             triangles,
             attributes: surface.attributes,
@@ -209,10 +215,10 @@ impl DecimateFlow {
             [Kind::Corner, Kind::Corner] => None,
             [Kind::Line, Kind::Line] => {
                 let t = q.least_along(self.place(a), self.place(b));
-                if t <= 0.0 {
+                if t < SNAP {
                     return Some(onto(b, a));
                 }
-                if t >= 1.0 {
+                if t > 1.0 - SNAP {
                     return Some(onto(a, b));
                 }
                 let [p, r] = [a, b].map(|v| self.triangles.positions[v as usize]);
@@ -226,7 +232,7 @@ impl DecimateFlow {
     /// Carries a plan out, unless topology or the shape of faces is against it.
     fn collapse(&mut self, plan: &Plan) -> bool {
         let Plan { gone, kept, point, .. } = *plan;
-        if !self.triangles.can_collapse(gone, kept, &mut Default::default()) {
+        if !self.triangles.can_collapse(gone, kept, &mut self.scratch) {
             return false;
         }
         let uvs = self.new_uvs(plan);

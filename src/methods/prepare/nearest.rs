@@ -116,8 +116,12 @@ impl Nearest {
         if hint != NONE {
             measure(hint, &mut best);
         }
-        let mut stack = vec![0u32];
-        while let Some(index) = stack.pop() {
+        // Each inner node leaves one more to do, and halving 2³² faces ends after 32 levels.
+        let mut stack = [0u32; 64];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let index = stack[waiting];
             let node = &self.nodes[index as usize];
             if best.is_some_and(|b| node.squared(point) >= b.squared) {
                 continue;
@@ -129,9 +133,12 @@ impl Nearest {
                 }
                 continue;
             }
-            let [left, right] = [index + 1, first];
-            let [l, r] = [left, right].map(|n| self.nodes[n as usize].squared(point));
-            stack.extend(if l <= r { [right, left] } else { [left, right] });
+            let children = [index + 1, first];
+            let [l, r] = children.map(|n| self.nodes[n as usize].squared(point));
+            let [near, far] = if l <= r { children } else { [first, index + 1] };
+            stack[waiting] = far;
+            stack[waiting + 1] = near;
+            waiting += 2;
         }
         best
     }

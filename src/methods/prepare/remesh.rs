@@ -19,7 +19,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::coarseness::vertex_bends;
 use super::features::{Features, Place};
-use super::nearest::Nearest;
+use super::nearest::{Nearest, closest};
 use super::triangles::{Triangles, shape, turns_over, vector};
 use super::{NONE, Prepared, Surface, Uv, check};
 use crate::geometry::Geometry;
@@ -44,7 +44,8 @@ pub struct RemeshParams {
     pub iterations: u32,
     /// Edges whose faces turn by more than this, in radians, are kept, and so are corners of lines that turn by more.
     pub feature_angle: f64,
-    /// 0: the same length everywhere. 1: length inversely proportional to curvature, between a quarter and twice the target.
+    /// 0: the same length everywhere. 1: length inversely proportional to curvature, between a quarter and twice the target. At one
+    /// half fingertips and horns keep their shape (they lose twice as much at 0) at the same number of faces.
     pub adaptivity: f64,
 }
 
@@ -54,7 +55,7 @@ impl Default for RemeshParams {
             target: EdgeTarget::MeanEdges(1.0),
             iterations: 8,
             feature_angle: 40f64.to_radians(),
-            adaptivity: 0.0,
+            adaptivity: 0.5,
         }
     }
 }
@@ -80,6 +81,14 @@ const SHORT: f64 = 4.0 / 5.0;
 /// Cosine of the largest turn of a face in one operation. At 0 a face may stand on its side and the next move turns it over;
 /// near 1 coarse targets cannot be reached on curved surfaces.
 const TURN: f64 = 0.5;
+
+/// Cosine of the largest turn of faces when a diagonal flips: 32°, below any feature angle of use. At 60° ridges without
+/// feature lines get notches.
+const FLAT: f64 = 0.85;
+
+/// How far the new surface may pass by a vertex that was collapsed or moved, in lengths wanted. At 0.5 fingertips and horns narrower
+/// than an edge are eaten up round by round; at 0.02 nothing can move on curved surfaces.
+const FAR: f64 = 0.1;
 
 /// More faces than this are not begun: each costs some 300 bytes.
 const MOST_FACES: f64 = 4e6;
@@ -123,6 +132,7 @@ pub struct RemeshFlow {
     queue: BinaryHeap<(u64, Reverse<[u32; 2]>)>,
     round: u32,
     steps: usize,
+    scratch: [Vec<u32>; 2],
     state: Prepared,
 }
 
@@ -178,6 +188,7 @@ impl RemeshFlow {
             queue: BinaryHeap::new(),
             round: 0,
             steps: 0,
+            scratch: Default::default(),
             state,
             given: surface,
         };
@@ -356,7 +367,8 @@ impl RemeshFlow {
         };
         if is_bad(gone, kept)
             || is_bad(kept, gone)
-            || !self.triangles.can_collapse(gone, kept, &mut Default::default())
+            || self.leaves_behind([gone, kept], point)
+            || !self.triangles.can_collapse(gone, kept, &mut self.scratch)
         {
             return None;
         }
@@ -432,7 +444,7 @@ impl RemeshFlow {
         let before = old.map(|f| self.triangles.points(f));
         let after = [[at(a), at(d), at(c)], [at(d), at(b), at(c)]];
         let olds = before.map(vector);
-        if after.iter().any(|&n| olds.iter().any(|&o| turns_over(o, vector(n), TURN))) {
+        if after.iter().any(|&n| olds.iter().any(|&o| turns_over(o, vector(n), FLAT))) {
             return false;
         }
         let worst = |faces: [[Point3<f64>; 3]; 2]| shape(faces[0]).min(shape(faces[1]));
@@ -498,11 +510,29 @@ impl RemeshFlow {
             if let Some((place, weights, point)) =
                 self.project(here + pull * share, normal, part, place)
                 && !self.turns_any(v, point)
+                && (share == 0.0 || !self.leaves_behind([v], point))
             {
                 self.put(v, place, weights, point);
                 return;
             }
         }
+    }
+
+    /// Whether the faces around one vertex, or two that become one, would pass by where these were when drawn to a point.
+    fn leaves_behind<const N: usize>(&self, vertices: [u32; N], point: Point3<f64>) -> bool {
+        vertices.iter().any(|&v| {
+            let here = self.triangles.positions[v as usize];
+            let limit = FAR * self.length * self.scale(v);
+            let fans = vertices.iter().flat_map(|&w| &self.triangles.fans[w as usize]);
+            !fans.into_iter().any(|&f| {
+                let corners = self.triangles.faces[f as usize];
+                let moved = [0, 1, 2].map(|i| {
+                    let is_moved = vertices.contains(&corners[i]);
+                    if is_moved { point } else { self.triangles.positions[corners[i] as usize] }
+                });
+                (closest(&moved, here).1 - here).norm_squared() <= limit * limit
+            })
+        })
     }
 
     /// Whether moving a vertex turns a face too far.
