@@ -10,6 +10,7 @@
 
 mod cutgraphs;
 mod cutting;
+mod doctoring;
 mod flattening;
 mod golden;
 mod measuring;

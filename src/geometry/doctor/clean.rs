@@ -21,6 +21,8 @@ pub(super) struct Clean<'a> {
     pub repeated: Vec<u32>,
     pub duplicates: Vec<u32>,
     pub degenerate: Vec<u32>,
+    /// Whether polygons without area were left out.
+    pub hides_degenerate: bool,
 }
 
 impl<'a> Clean<'a> {
@@ -38,6 +40,7 @@ impl<'a> Clean<'a> {
             soup,
             duplicates: Vec::new(),
             degenerate: Vec::new(),
+            hides_degenerate: false,
             repeated,
             origins,
         };
@@ -51,7 +54,7 @@ impl<'a> Clean<'a> {
         clean.degenerate.sort_unstable();
         if flat.len() < clean.soup.polygon_count() {
             let harmless = harmless(&clean.soup, &clean.sides, &flat);
-            clean.drop(&harmless);
+            clean.hides_degenerate = !clean.drop(&harmless).is_empty();
         }
         clean
     }

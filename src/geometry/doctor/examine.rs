@@ -96,7 +96,8 @@ pub struct Examination {
     pub is_orientable: bool,
     /// In square model units.
     pub area: f64,
-    /// Whether the triangles of the polygons make a mesh as they are, and not all are without area.
+    /// Whether nothing blocks: [`crate::mesh::Mesh::new`] accepts the triangles of the polygons, and not all are without
+    /// area.
     pub is_solvable: bool,
 }
 
@@ -164,7 +165,7 @@ pub fn examine(soup: &Soup) -> Examination {
         is_manifold: shape.is_manifold(),
         is_orientable: shape.conflicts.is_empty(),
         area: components.iter().map(|component| component.area).sum(),
-        is_solvable: !is_blocked && makes_a_mesh(soup),
+        is_solvable: !is_blocked,
         components,
     }
 }
@@ -180,10 +181,14 @@ fn is_shattered(clean: &Clean, closable: usize) -> bool {
     closable as f64 > SHATTERED * clean.sides.edges.len() as f64
 }
 
-/// The weld that closes the most, of equal places where that does.
+/// The weld that closes the most, of equal places where that does. The other is not looked for where that closes all.
 fn best_weld(clean: &Clean) -> (weld::Weld, f64) {
     let plan = |tolerance| weld::plan(&clean.soup, &clean.sides, &clean.surface, tolerance);
-    let (exact, near) = (plan(0.0), plan(NEAR));
+    let exact = plan(0.0);
+    if exact.closable == exact.boundary {
+        return (exact, 0.0);
+    }
+    let near = plan(NEAR);
     if near.closable > exact.closable { (near, NEAR) } else { (exact, 0.0) }
 }
 
@@ -290,16 +295,21 @@ fn faces(soup: &Soup, clean: &Clean, findings: &mut Vec<Finding>) {
         return;
     }
     if !clean.degenerate.is_empty() {
-        let severity = if all { Severity::Blocks } else { Severity::Warning };
+        // They do not harm the methods, but what was left out above may hang on edges that have enough sides.
+        let others_block = findings.iter().any(|other| other.severity == Severity::Blocks);
+        let blocks = all || clean.hides_degenerate && !others_block && !makes_a_mesh(soup);
+        let severity = if blocks { Severity::Blocks } else { Severity::Warning };
         let count = clean.degenerate.len();
         let mut finding = Finding::new(FindingKind::DegenerateFaces, severity, count);
         finding.faces.clone_from(&clean.degenerate);
-        finding.repairs.push(Repair::DropDegenerate);
-        finding.recommended = true;
+        if !all {
+            finding.repairs.push(Repair::DropDegenerate);
+            finding.recommended = true;
+        }
         findings.push(finding);
     }
     let mut slivers = Vec::new();
-    let mut worst = std::f64::consts::PI;
+    let (mut worst, small) = (1.0_f64, SMALL_ANGLE.sin());
     let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
     for polygon in 0..clean.soup.polygon_count() {
         let mut is_sliver = false;
@@ -315,12 +325,12 @@ fn faces(soup: &Soup, clean: &Clean, findings: &mut Vec<Finding>) {
             }
             let doubled = doubled_normal(corners).norm();
             let most = lengths.into_iter().fold(0.0, f64::max);
-            // The smallest angle lies between the two longer sides.
+            // The smallest angle lies between the two longer sides; it is never obtuse, so its sine will do.
             let product = lengths[0] * lengths[1] * lengths[2];
             let least = lengths.into_iter().fold(f64::INFINITY, f64::min);
-            let angle = (doubled * least / product).min(1.0).asin();
-            worst = worst.min(angle);
-            is_sliver |= angle < SMALL_ANGLE || most * most > ASPECT * doubled;
+            let sine = doubled * least / product;
+            worst = worst.min(sine);
+            is_sliver |= sine < small || most * most > ASPECT * doubled;
         }
         if is_sliver {
             slivers.push(clean.origins[polygon]);
@@ -329,7 +339,7 @@ fn faces(soup: &Soup, clean: &Clean, findings: &mut Vec<Finding>) {
     if !slivers.is_empty() {
         let mut finding = Finding::new(FindingKind::Slivers, Severity::Warning, slivers.len());
         finding.faces = slivers;
-        finding.worst = Some(worst);
+        finding.worst = Some(worst.asin());
         findings.push(finding);
     }
     if longest > HUGE_RATIO * shortest {
@@ -418,16 +428,19 @@ fn components(clean: &Clean, shape: &Shape) -> Vec<Component> {
     for &edge in shape.disagreeing.iter().chain(&shape.conflicts) {
         agrees[component_of(clean.sides.of(edge as usize)[0])] = false;
     }
-    // Each vertex once for each component that it belongs to.
-    let mut ends = Vec::from_iter(
-        (0..soup.corners.len() as u32)
-            .map(|corner| (soup.corners[corner as usize], component_of(corner) as u32)),
-    );
-    ends.sort_unstable();
-    ends.dedup();
-    for &(v, number) in &ends {
-        components[number as usize].vertices += 1;
-        is_manifold[number as usize] &= shape.bow_ties.binary_search(&v).is_err();
+    // Each vertex once for each component that it belongs to: corner by corner, component by component.
+    let mut corners = Vec::from_iter(0..soup.corners.len() as u32);
+    if shape.components > 1 {
+        corners.sort_by_key(|&corner| component_of(corner));
+    }
+    let mut last = vec![usize::MAX; soup.positions.len()];
+    for corner in corners {
+        let (v, number) = (soup.corners[corner as usize], component_of(corner));
+        if last[v as usize] != number {
+            last[v as usize] = number;
+            components[number].vertices += 1;
+            is_manifold[number] &= shape.bow_ties.binary_search(&v).is_err();
+        }
     }
     for chain in &shape.loops {
         components[component_of(chain.sides[0])].boundary_loops += 1;

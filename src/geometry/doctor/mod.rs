@@ -22,9 +22,11 @@ mod polygons;
 mod surface;
 mod weld;
 
+use self::degenerate::degenerate;
+use self::surface::Surface;
 use crate::mesh::doctor::{
-    Repair, Shape, Sides, drop_duplicates, drop_isolated, drop_repeated, open_one_sided,
-    split_vertices,
+    Repair, Shape, Sides, drop_duplicates, drop_isolated, drop_repeated, duplicates,
+    open_one_sided, repeated, split_vertices,
 };
 use crate::mesh::{Mesh, Soup};
 
@@ -85,24 +87,23 @@ pub fn repair_all(soup: &Soup) -> (Soup, Vec<(Repair, usize)>) {
         apply(&mut result, Repair::Weld { tolerance });
     }
     for round in 0..2 * ROUNDS {
-        let mut has_changed = false;
-        for one in [Repair::DropRepeated, Repair::DropDuplicates, Repair::DropDegenerate] {
-            // Should taking out triangles without area ever undo what another repair does, that one wins.
-            if one != Repair::DropDegenerate || round < ROUNDS {
-                has_changed |= apply(&mut result, one);
-            }
-        }
-        has_changed |= apply(&mut result, Repair::DropDuplicates);
-        for one in [Repair::SplitEdges, Repair::SplitVertices, Repair::OpenOneSided] {
-            has_changed |= apply(&mut result, one);
-        }
-        if !Shape::new(&result, &Sides::new(&result)).disagreeing.is_empty() {
-            has_changed |= apply(&mut result, Repair::Orient);
-        }
-        has_changed |= apply(&mut result, Repair::SplitPolygons);
-        if !has_changed {
+        // Should taking out triangles without area ever undo what another repair does, that one wins.
+        let drops_flat = round < ROUNDS;
+        if is_sound(&result, drops_flat) {
             break;
         }
+        apply(&mut result, Repair::DropRepeated);
+        apply(&mut result, Repair::DropDuplicates);
+        if drops_flat && apply(&mut result, Repair::DropDegenerate) {
+            apply(&mut result, Repair::DropDuplicates);
+        }
+        for one in [Repair::SplitEdges, Repair::SplitVertices, Repair::OpenOneSided] {
+            apply(&mut result, one);
+        }
+        if !Shape::new(&result, &Sides::new(&result)).disagreeing.is_empty() {
+            apply(&mut result, Repair::Orient);
+        }
+        apply(&mut result, Repair::SplitPolygons);
     }
     (result, done)
 }
@@ -114,6 +115,15 @@ pub fn triangles(soup: &Soup) -> Vec<[u32; 3]> {
         super::polygon::triangulate(&soup.positions, soup.polygon(i), &mut triangles);
     }
     triangles
+}
+
+/// Whether nothing is left to be done that must be done.
+fn is_sound(soup: &Soup, drops_flat: bool) -> bool {
+    soup.polygon_count() == 0
+        || makes_a_mesh(soup)
+            && repeated(soup).is_empty()
+            && duplicates(soup).is_empty()
+            && !(drops_flat && !degenerate(soup, &Surface::new(soup)).is_empty())
 }
 
 /// Whether the triangles of the polygons make a [`Mesh`].

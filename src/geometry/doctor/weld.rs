@@ -23,6 +23,8 @@ pub(super) struct Weld {
     pub merges: Vec<[u32; 2]>,
     /// How many boundary edges it closes.
     pub closable: usize,
+    /// How many boundary edges there are.
+    pub boundary: usize,
 }
 
 /// Finds the boundary vertices whose merging closes edges.
@@ -37,11 +39,19 @@ pub(super) fn plan(soup: &Soup, sides: &Sides, surface: &Surface, tolerance: f64
     let mut vertices = boundary.concat();
     vertices.sort_unstable();
     vertices.dedup();
-    let firsts = if tolerance > 0.0 && surface.extent > 0.0 {
-        nearby(&vertices, surface, tolerance * surface.diagonal / surface.extent)
-    } else {
-        equal(&vertices, soup)
-    };
+    // What is equal is near: only one vertex of each place needs a search.
+    let mut firsts = equal(&vertices, soup);
+    if tolerance > 0.0 && surface.extent > 0.0 {
+        let mut places = firsts.clone();
+        places.sort_unstable();
+        places.dedup();
+        let nears = nearby(&places, surface, tolerance * surface.diagonal / surface.extent);
+        for first in &mut firsts {
+            if let Ok(i) = places.binary_search(first) {
+                *first = nears[i];
+            }
+        }
+    }
     let first = |v: u32| match vertices.binary_search(&v) {
         Ok(i) => firsts[i],
         Err(_) => v,
@@ -56,7 +66,7 @@ pub(super) fn plan(soup: &Soup, sides: &Sides, surface: &Surface, tolerance: f64
         .filter(|&([a, b], _)| a != b)
         .collect();
     names.sort_unstable();
-    let mut weld = Weld { merges: Vec::new(), closable: 0 };
+    let mut weld = Weld { merges: Vec::new(), closable: 0, boundary: boundary.len() };
     for same in names.chunk_by(|a, b| a.0 == b.0) {
         let [a, b] = same[0].0;
         let is_inside = sides.find(a, b).is_some_and(|edge| sides.of(edge).len() > 1);
