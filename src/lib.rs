@@ -20,7 +20,8 @@
 //!
 //! # From a file to a pattern
 //!
-//! bytes → [`mesh::Soup`] (the file as it stands, kept for exports) → [`mesh::Mesh`] + [`geometry::Geometry`] of unit area →
+//! bytes → [`mesh::Soup`] (the file as it stands, kept for exports) → [`geometry::doctor::examine`] (and repairs, soup to soup, and
+//! [`methods::prepare`]) → [`mesh::Mesh`] + [`geometry::Geometry`] of unit area, without slivers where it has any →
 //! [`methods::cutflow::CutFlow`] (labels and level sets) → [`mesh::CutMesh`] (the surface refined along the cut) →
 //! [`methods::cutgraph`] (more cuts until all patches are disks) → [`mesh::OpenedMesh`] → [`flatten::Flattening`] → packed
 //! charts → [`pattern::Pattern`] → files, and [`session::Scene`] → pictures.
