@@ -10,7 +10,7 @@
 //! | 0 | [`linalg`] | sparse symmetric systems: analyse once, factor often, solve often. Names the linear-algebra crate |
 //! | 0 | [`mesh`] | connectivity, refinement along cuts, opening, reading mesh bytes. Knows no metric |
 //! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance |
-//! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cutgraph`] (disks) |
+//! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cutgraph`] (disks), [`methods::prepare`] (finer, more even, lighter meshes) |
 //! | 3 | [`flatten`] | patch → chart: BFF, measures, overlaps, packing |
 //! | 4 | [`pattern`] | chart → piece in millimetres: seams, sheet, bytes of SVG, OBJ, JSON |
 //! | 5 | [`session`] | commands in, events out: documents, parameters, undo, scenes, reports. The only serde |

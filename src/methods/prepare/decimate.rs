@@ -4,11 +4,6 @@
 //! raises these sums least goes first, to the place where they are least. Planes across feature lines hold those in place; on
 //! the boundary, on seams and between materials only edges along the line are collapsed, onto the line.
 
-#![expect(
-    clippy::cast_possible_truncation,
-    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
-)]
-
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 

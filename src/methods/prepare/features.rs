@@ -16,7 +16,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::{NONE, Surface};
-use crate::mesh::{EdgeId, HalfedgeId, VertexId};
+use crate::mesh::{EdgeId, HalfedgeId, Mesh, VertexId};
 
 /// Why an edge must stay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +73,40 @@ pub(super) fn feature_edges(surface: &Surface, angle: f64) -> Vec<Feature> {
             if measured && turn > angle { Feature::Sharp } else { Feature::None }
         })
         .collect()
+}
+
+/// Fewer sharp edges than this in one connected bunch, without any other feature, are noise of a scan. They would only pin vertices:
+/// on a scanned hand the smallest angle falls from 37° to 21°.
+const BUNCH: usize = 5;
+
+/// Which edges are features, small bunches left out.
+fn lasting(mesh: &Mesh, features: &[Feature]) -> Vec<bool> {
+    let mut is_feature: Vec<bool> = features.iter().map(|f| *f != Feature::None).collect();
+    let mut seen = vec![false; features.len()];
+    for seed in mesh.edges().filter(|e| features[e.index()] != Feature::None) {
+        let mut bunch = vec![seed];
+        let mut next = 0;
+        if std::mem::replace(&mut seen[seed.index()], true) {
+            continue;
+        }
+        while let Some(&e) = bunch.get(next) {
+            next += 1;
+            for h in mesh.edge_vertices(e).into_iter().flat_map(|v| mesh.outgoing(v)) {
+                let e = h.edge();
+                if features[e.index()] != Feature::None
+                    && !std::mem::replace(&mut seen[e.index()], true)
+                {
+                    bunch.push(e);
+                }
+            }
+        }
+        if bunch.len() < BUNCH && bunch.iter().all(|e| features[e.index()] == Feature::Sharp) {
+            for e in bunch {
+                is_feature[e.index()] = false;
+            }
+        }
+    }
+    is_feature
 }
 
 /// A polyline of feature edges between two corners.
@@ -142,8 +176,7 @@ impl Features {
     /// Chains the feature edges.
     pub fn new(surface: &Surface, angle: f64) -> Self {
         let mesh = &surface.mesh;
-        let is_feature: Vec<bool> =
-            feature_edges(surface, angle).into_iter().map(|f| f != Feature::None).collect();
+        let is_feature = lasting(mesh, &feature_edges(surface, angle));
         let place_of = |v: VertexId| surface.positions[v.index()];
         let lines = |v: VertexId| -> Vec<HalfedgeId> {
             mesh.outgoing(v).filter(|h| is_feature[h.edge().index()]).collect()

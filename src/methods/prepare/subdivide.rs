@@ -50,7 +50,9 @@ pub struct SubdivideParams {
 
 impl Default for SubdivideParams {
     fn default() -> Self {
-        Self { rule: SubdivideRule::Curvature { tolerance: TOO_COARSE }, max_faces: 2_000_000 }
+        // Half of what is too coarse: an error of less than 1 %.
+        let rule = SubdivideRule::Curvature { tolerance: 0.5 * TOO_COARSE };
+        Self { rule, max_faces: 2_000_000 }
     }
 }
 
@@ -121,7 +123,6 @@ impl SubdivideFlow {
             self.status = Status::StepLimit;
             return;
         }
-        // Splitting all edges one by one leaves each old corner its face; the middle one and the last are put right by hand.
         quarter(triangles);
         self.rounds += 1;
         if self.rounds >= rounds {

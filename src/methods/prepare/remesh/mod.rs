@@ -12,19 +12,22 @@
     reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
 )]
 
+mod given;
+mod texture;
+
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use nalgebra::{Point3, Vector3};
 
-use super::coarseness::vertex_bends;
 use super::features::{Features, Place};
 use super::nearest::{Nearest, closest};
 use super::triangles::{Triangles, shape, turns_over, vector};
-use super::{NONE, Prepared, Surface, Uv, check};
+use super::{NONE, Prepared, Surface, check};
 use crate::geometry::Geometry;
-use crate::mesh::{FaceId, Mesh};
+use crate::mesh::FaceId;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
+use given::{length_scales, split_parts};
 
 /// How long the new edges shall be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +108,7 @@ enum Phase {
 /// Draws even triangles on a surface.
 ///
 /// **Step** a quarter of a round (splits, collapses, flips, or smoothing) and no more than a quarter of the faces at a time; the
-/// state changes at the end of each round. **Ends** `Converged` after the rounds asked for.
+/// state changes at the end of each round. Unevenness may rise from one quarter to the next. **Ends** `Converged` after the rounds asked for.
 /// **Takes** any surface. **Gives** edges of about the length wanted, angles mostly between 35° and 90° away from features. Feature
 /// vertices lie on the given feature lines, free vertices on the given surface.
 /// **Fails** on coordinates that are not finite, and on a length that would make more than four million faces.
@@ -236,7 +239,7 @@ impl RemeshFlow {
         let mut around = Vec::new();
         for _ in 0..budget {
             let Some((key, Reverse([a, b]))) = self.queue.pop() else { return true };
-            let is_there = self.triangles.edge_faces(a, b).as_slice().first().is_some();
+            let is_there = !self.triangles.edge_faces(a, b).as_slice().is_empty();
             if !is_there || self.key(a, b) != Some(key) {
                 continue;
             }
@@ -545,52 +548,6 @@ impl RemeshFlow {
         })
     }
 
-    /// The texture coordinates of a face.
-    fn uvs(&self, f: u32) -> [Uv; 3] {
-        self.triangles.faces[f as usize].map(|v| match self.places[v as usize] {
-            Place::Free(on) => {
-                let uvs = self.given.attributes.corner_uvs[on as usize];
-                let weights = self.weights[v as usize];
-                let [a, b, c] = uvs;
-                let (a, b, c) = (a?, b?, c?);
-                Some([0, 1].map(|i| weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i]))
-            }
-            _ => self.uv_on_line(f, v),
-        })
-    }
-
-    /// The texture coordinate at a vertex on a line, on the side that a face is on: clockwise from the face comes a line.
-    fn uv_on_line(&self, mut f: u32, v: u32) -> Uv {
-        for _ in 0..self.triangles.fans[v as usize].len() {
-            let i = self.triangles.corner(f, v);
-            let (mark, w) = (
-                self.triangles.marks[f as usize][i],
-                self.triangles.faces[f as usize][(i + 1) % 3],
-            );
-            if mark == NONE {
-                let faces = self.triangles.edge_faces(v, w);
-                f = faces.as_slice().iter().copied().find(|&g| g != f)?;
-                continue;
-            }
-            let curve = &self.features.curves[mark as usize];
-            let (from, to) = (self.arc(mark, v), self.arc(mark, w));
-            let (segment, t) = curve.segment(from);
-            let on = FaceId(curve.face(segment, to > from)?);
-            let corners = self.given.mesh.face_vertices(on);
-            let uv = |v: u32| {
-                let i = corners.iter().position(|w| w.0 == v)?;
-                self.given.attributes.corner_uvs[on.index()][i]
-            };
-            let (a, b) = (uv(curve.vertices[segment]), uv(curve.vertices[segment + 1]));
-            return match t {
-                0.0 => a,
-                1.0 => b,
-                _ => a.zip(b).map(|(a, b)| [0, 1].map(|i| (1.0 - t) * a[i] + t * b[i])),
-            };
-        }
-        None
-    }
-
     /// Root mean square of how far edges are off the length wanted, in multiples of it.
     fn unevenness(&self) -> f64 {
         let edges = self.triangles.edges();
@@ -663,61 +620,4 @@ impl Flow for RemeshFlow {
             status,
         })
     }
-}
-
-/// The parts of a surface between lines: for each face its part, for each part its first face.
-fn split_parts(mesh: &Mesh, edge_curves: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let mut face_parts = vec![NONE; mesh.face_count()];
-    let mut parts = Vec::new();
-    let mut stack = Vec::new();
-    for seed in mesh.faces() {
-        if face_parts[seed.index()] != NONE {
-            continue;
-        }
-        let part = parts.len() as u32;
-        parts.push(seed.0);
-        face_parts[seed.index()] = part;
-        stack.push(seed);
-        while let Some(f) = stack.pop() {
-            for h in mesh.face_halfedges(f) {
-                if edge_curves[h.edge().index()] == NONE
-                    && let Some(g) = mesh.face(h.twin())
-                    && face_parts[g.index()] == NONE
-                {
-                    face_parts[g.index()] = part;
-                    stack.push(g);
-                }
-            }
-        }
-    }
-    (face_parts, parts)
-}
-
-/// Length wanted at each vertex, in multiples of the length for the whole: mean bend over bend, to the power of `adaptivity`.
-/// Empty for 0. Evened out over neighbours, so that lengths change slowly.
-fn length_scales(mesh: &Mesh, geometry: &Geometry, adaptivity: f64) -> Vec<f64> {
-    if adaptivity <= 0.0 {
-        return Vec::new();
-    }
-    let bends = vertex_bends(mesh, geometry);
-    let areas = geometry.vertex_dual_areas(mesh);
-    let mean = bends.iter().zip(&areas).map(|(b, a)| b * a).sum::<f64>() / geometry.total_area();
-    let scale = |&bend: &f64| {
-        let ratio = mean / bend.max(0.01 * mean);
-        if ratio.is_finite() { ratio.clamp(0.25, 2.0).powf(adaptivity) } else { 1.0 }
-    };
-    let mut scales: Vec<f64> = bends.iter().map(scale).collect();
-    // Six rounds reach as far as the largest triangle wanted next to the smallest ones.
-    for _ in 0..6 {
-        let mut sums: Vec<(f64, f64)> = scales.iter().map(|&s| (s, 1.0)).collect();
-        for e in mesh.edges() {
-            let [a, b] = mesh.edge_vertices(e).map(|v| v.index());
-            for (to, from) in [(a, b), (b, a)] {
-                sums[to].0 += scales[from];
-                sums[to].1 += 1.0;
-            }
-        }
-        scales = sums.into_iter().map(|(sum, count)| sum / count).collect();
-    }
-    scales
 }
