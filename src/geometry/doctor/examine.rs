@@ -7,7 +7,7 @@ use super::makes_a_mesh;
 use super::orient::closed_patches;
 use super::parts::SMALL;
 use super::polygons::folded;
-use super::surface::{doubled_normal, is_flat};
+use super::surface::{doubled_normal, faces_inward, is_flat};
 use super::weld;
 use crate::mesh::Soup;
 use crate::mesh::doctor::{Finding, FindingKind, Repair, Severity, Shape};
@@ -137,7 +137,10 @@ pub fn examine(soup: &Soup) -> Examination {
             .extend(components.iter().any(is_small).then_some(Repair::DropSmallComponents));
         findings.push(finding);
     }
-    let inward = components.iter().filter(|c| c.volume.is_some_and(|volume| volume < 0.0));
+    let extent = clean.surface.extent;
+    let faces_inward =
+        |c: &Component, v: f64| faces_inward(v / extent.powi(3), c.area / extent.powi(2));
+    let inward = components.iter().filter(|c| c.volume.is_some_and(|v| faces_inward(c, v)));
     let inward = Vec::from_iter(inward.map(|component| component.first_face));
     if !inward.is_empty() {
         let mut finding = Finding::new(FindingKind::InsideOut, Severity::Note, inward.len());
@@ -257,7 +260,7 @@ fn topology(clean: &Clean, shape: &Shape, findings: &mut Vec<Finding>) {
         shape.disagreeing.len(),
         &|finding| {
             finding.edges = names(&shape.disagreeing);
-            let turned = (0..clean.origins.len()).filter(|&i| shape.turned[i] && !one_sided(&i));
+            let turned = (0..clean.origins.len()).filter(|&i| shape.turned[i]);
             finding.faces = turned.map(|polygon| clean.origins[polygon]).collect();
         },
         Repair::Orient,

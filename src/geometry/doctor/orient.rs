@@ -1,6 +1,6 @@
 //! Orientation: neighbours that agree, closed parts that face outward.
 
-use super::surface::Surface;
+use super::surface::{Surface, faces_inward};
 use crate::mesh::Soup;
 use crate::mesh::doctor::{Shape, Sides, turn};
 
@@ -20,16 +20,18 @@ pub(super) fn closed_patches(sides: &Sides, shape: &Shape) -> Vec<bool> {
 pub(super) fn to_turn(soup: &Soup, sides: &Sides, shape: &Shape, surface: &Surface) -> Vec<bool> {
     let is_closed = closed_patches(sides, shape);
     let mut volumes = vec![0.0; is_closed.len()];
+    let mut areas = vec![0.0; is_closed.len()];
     for polygon in 0..soup.polygon_count() {
         let volume = surface.volume(soup, polygon);
         let patch = shape.face_patches[polygon] as usize;
+        areas[patch] += surface.area(soup, polygon);
         volumes[patch] += if shape.turned[polygon] { -volume } else { volume };
     }
     let turned = shape.turned.iter().zip(&shape.face_patches);
     turned
         .map(|(&is_turned, &patch)| {
             let patch = patch as usize;
-            is_turned != (is_closed[patch] && volumes[patch] < 0.0)
+            is_turned != (is_closed[patch] && faces_inward(volumes[patch], areas[patch]))
         })
         .collect()
 }

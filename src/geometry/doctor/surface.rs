@@ -89,14 +89,22 @@ impl Surface {
         self.of(polygon).iter().map(doubled).sum::<f64>() / 2.0
     }
 
-    /// Volume of the cone from the centre of the box over a polygon: they add up to that of a closed surface.
+    /// Volume of the cone from the centre of the box over a polygon, filled from its middle: they add up to that of a
+    /// closed surface, and turning the polygon changes nothing but the sign.
     pub fn volume(&self, soup: &Soup, polygon: usize) -> f64 {
-        let cone = |&t: &[u32; 3]| {
-            let [a, b, c] = self.corners(soup, t);
-            a.dot(&b.cross(&c))
-        };
-        self.of(polygon).iter().map(cone).sum::<f64>() / 6.0
+        let point = |&v: &u32| self.points[v as usize];
+        let corners = soup.polygon(polygon);
+        let middle = corners.iter().map(point).sum::<Vector3<f64>>() / corners.len() as f64;
+        let spans = corners
+            .windows(2)
+            .map(|side| doubled_normal([point(&corners[0]), point(&side[0]), point(&side[1])]));
+        middle.dot(&spans.sum::<Vector3<f64>>()) / 6.0
     }
+}
+
+/// Whether a closed surface of this volume and area (in units of the box) faces inward beyond rounding.
+pub(super) fn faces_inward(volume: f64, area: f64) -> bool {
+    volume < -1e-12 * area
 }
 
 /// The triangles of a polygon by the numbers of its corners: those of [`triangulate`], which looks at places only.

@@ -202,7 +202,8 @@ pub fn split_vertices(soup: &Soup) -> (Soup, usize) {
 /// Cuts the surface along the edges where its orientation fails, so that every part has two sides; counts the edges.
 ///
 /// At an inner vertex such edges meet in even number, and cut its fan into as many; at a boundary vertex k of them cut it
-/// into k + 1. So both sides of a cut edge get different ends.
+/// into k + 1. So both sides of a cut edge get different ends, unless a third side at another edge holds them together:
+/// such edges are to be split before.
 pub fn open_one_sided(soup: &Soup) -> (Soup, usize) {
     let sides = Sides::new(soup);
     let shape = Shape::new(soup, &sides);

@@ -37,7 +37,7 @@ pub struct Shape {
     pub face_patches: Vec<u32>,
     /// For each patch whether it can be oriented.
     pub patch_is_orientable: Vec<bool>,
-    /// Per polygon: the fewest in each patch whose turning lets neighbours agree (but at `conflicts`).
+    /// Per polygon: the fewest in each orientable patch whose turning lets neighbours agree; none in others.
     pub turned: Vec<bool>,
     /// Edges where orientation fails whatever is turned: cutting them makes their patches orientable.
     pub conflicts: Vec<u32>,
@@ -130,7 +130,10 @@ impl Shape {
                     }
                 }
             }
-            if 2 * turned > queue.len() {
+            if !self.patch_is_orientable[patch as usize] {
+                // What is turned against what has no meaning here.
+                queue.iter().for_each(|&polygon| self.turned[polygon as usize] = false);
+            } else if 2 * turned > queue.len() {
                 for &polygon in &queue {
                     self.turned[polygon as usize] ^= true;
                 }
