@@ -33,9 +33,9 @@ pub(super) struct Preparation {
 }
 
 enum Tool {
-    Subdivide(SubdivideFlow),
-    Remesh(RemeshFlow),
-    Decimate(DecimateFlow),
+    Subdivide(Box<SubdivideFlow>),
+    Remesh(Box<RemeshFlow>),
+    Decimate(Box<DecimateFlow>),
 }
 
 /// Identifier, name, what Undo and the status line call it, and help of every tool.
@@ -89,22 +89,19 @@ impl Preparation {
                 .map_err(|error| wrong(error.into()))?;
         let feature_angle = number("crease").to_radians();
         let tool = match id {
-            "remesh" => Tool::Remesh(
-                RemeshFlow::new(
-                    surface,
-                    &RemeshParams {
-                        target: EdgeTarget::MeanEdges(number("edge")),
-                        feature_angle,
-                        adaptivity: number("adaptivity"),
-                        ..RemeshParams::default()
-                    },
-                )
-                .map_err(wrong)?,
-            ),
+            "remesh" => {
+                let params = RemeshParams {
+                    target: EdgeTarget::MeanEdges(number("edge")),
+                    feature_angle,
+                    adaptivity: number("adaptivity"),
+                    ..RemeshParams::default()
+                };
+                Tool::Remesh(Box::new(RemeshFlow::new(surface, &params).map_err(wrong)?))
+            }
             "decimate" => {
                 let target_faces = number("faces") as usize;
                 let params = DecimateParams { target_faces, feature_angle };
-                Tool::Decimate(DecimateFlow::new(surface, &params).map_err(wrong)?)
+                Tool::Decimate(Box::new(DecimateFlow::new(surface, &params).map_err(wrong)?))
             }
             _ => {
                 let rule = if id == "refine" {
@@ -113,7 +110,7 @@ impl Preparation {
                     SubdivideRule::Midpoint { rounds: number("rounds") as u32 }
                 };
                 let params = SubdivideParams { rule, max_faces: MOST_FACES as usize };
-                Tool::Subdivide(SubdivideFlow::new(surface, &params).map_err(wrong)?)
+                Tool::Subdivide(Box::new(SubdivideFlow::new(surface, &params).map_err(wrong)?))
             }
         };
         Ok(Self { label, tool, fraction: None })

@@ -18,7 +18,7 @@ pub const UNITS: [(&str, &str, Option<f64>); 5] = [
 pub const RANGE_MM: [f64; 2] = [0.1, 1e5];
 
 /// Sizes that are believed when the unit is only customary for the format.
-const BELIEVED_MM: [f64; 2] = [5.0, 2e4];
+const BELIEVED_MM: std::ops::RangeInclusive<f64> = 5.0..=2e4;
 
 /// Millimetres of one unit, none for `none` and unknown units.
 fn millimetres(unit: &str) -> Option<f64> {
@@ -34,7 +34,7 @@ pub fn guess(document: &Document, settings: &mut Settings) {
         _ => return,
     };
     let size = document.largest_side() * millimetres(unit).unwrap_or(1.0);
-    if size >= BELIEVED_MM[0] && size <= BELIEVED_MM[1] {
+    if BELIEVED_MM.contains(&size) {
         settings.put("unit", Value::Text(unit.into()));
         settings.put("size", Value::Number(size));
     }

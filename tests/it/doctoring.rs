@@ -11,7 +11,8 @@ use cutflow::geometry::doctor::{
     Examination, examine, fill_holes, repair, repair_all, triangles, weld,
 };
 use cutflow::mesh::doctor::{FindingKind, Repair, Severity, drop_isolated, turn};
-use cutflow::mesh::{Mesh, Soup, obj};
+use cutflow::mesh::read::obj;
+use cutflow::mesh::{Mesh, Soup};
 
 /// A closed ball of squares and triangles: `n` meridians, `n / 2` belts; 2 + n(n/2 − 1) vertices.
 fn ball(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
@@ -709,7 +710,7 @@ fn the_collection_is_diagnosed_and_cured_as_its_readme_says() {
     ]);
     for (name, (findings, expected)) in rows {
         let bytes = std::fs::read(folder.join("bad").join(name)).unwrap();
-        let (soup, _) = obj::read(&bytes).unwrap();
+        let soup = obj::read(&bytes).unwrap().soup;
         let examination = examine(&soup);
         for &(kind, expected) in findings {
             assert_eq!(count(&examination, kind), expected, "{name}: {kind:?}");
@@ -728,7 +729,7 @@ fn every_sound_mesh_of_the_collection_is_left_as_it_is() {
     names.retain(|path| path.extension().is_some_and(|extension| extension == "obj"));
     names.sort();
     for path in names {
-        let (soup, _) = obj::read(&std::fs::read(&path).unwrap()).unwrap();
+        let soup = obj::read(&std::fs::read(&path).unwrap()).unwrap().soup;
         assert!(examine(&soup).is_solvable, "{}", path.display());
         assert_eq!(repair_all(&soup), (soup, vec![]), "{}", path.display());
     }

@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use cutflow::geometry::{Geometry, angle_defects, polygon};
-use cutflow::mesh::{FaceId, Mesh, Soup, Topology, obj};
+use cutflow::mesh::read::obj;
+use cutflow::mesh::{FaceId, Mesh, Soup, Topology};
 use cutflow::methods::flow::{Flow, SolveError, Status};
 use cutflow::methods::prepare::{
     DecimateFlow, DecimateParams, EdgeTarget, Prepared, RemeshFlow, RemeshParams, SubdivideFlow,
@@ -29,7 +30,7 @@ fn shared(name: &str) -> Option<Surface> {
         std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes()).unwrap();
         return None;
     };
-    Some(surface(&obj::read(&bytes).unwrap().0))
+    Some(surface(&obj::read(&bytes).unwrap().soup))
 }
 
 /// A flat square of n × n quads bent up into a wave, with the identity for a texture cut along the middle column, and a

@@ -123,7 +123,7 @@ fn is_sound(soup: &Soup, drops_flat: bool) -> bool {
         || makes_a_mesh(soup)
             && repeated(soup).is_empty()
             && duplicates(soup).is_empty()
-            && !(drops_flat && !degenerate(soup, &Surface::new(soup)).is_empty())
+            && (!drops_flat || degenerate(soup, &Surface::new(soup)).is_empty())
 }
 
 /// Whether the triangles of the polygons make a [`Mesh`].
