@@ -8,8 +8,8 @@
 //! | floor | module | what lives there |
 //! |---|---|---|
 //! | 0 | [`linalg`] | sparse symmetric systems: analyse once, factor often, solve often. Names the linear-algebra crate |
-//! | 0 | [`mesh`] | connectivity, refinement along cuts, opening, OBJ bytes. Knows no metric |
-//! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance |
+//! | 0 | [`mesh`] | connectivity, refinement along cuts, opening, OBJ bytes, defects of soup. Knows no metric |
+//! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance; the doctor of soups |
 //! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cutgraph`] (disks) |
 //! | 3 | [`flatten`] | patch → chart: BFF, measures, overlaps, packing |
 //! | 4 | [`pattern`] | chart → piece in millimetres: seams, sheet, bytes of SVG, OBJ, JSON |
