@@ -628,12 +628,15 @@ fn every_repair_leaves_no_finding_of_its_kind_and_does_nothing_twice() {
             (FindingKind::NonManifoldVertices, Repair::SplitVertices),
             (FindingKind::NotOrientable, Repair::OpenOneSided),
             (FindingKind::Orientation, Repair::Orient),
+            (FindingKind::FoldedPolygons, Repair::SplitPolygons),
             (FindingKind::Isolated, Repair::DropIsolated),
         ] {
             // What the examination leaves out does not take part in the topology either.
             let before = match kind {
                 FindingKind::NonManifoldEdges | FindingKind::NonManifoldVertices => &flat_free,
-                FindingKind::NotOrientable | FindingKind::Orientation => &edges_split,
+                FindingKind::NotOrientable
+                | FindingKind::Orientation
+                | FindingKind::FoldedPolygons => &edges_split,
                 _ => &soup,
             };
             let (result, _) = repair(before, one);

@@ -14,8 +14,10 @@ use crate::mesh::doctor::{Corner, Rebuild, Sides, drop_repeated, keep_polygons, 
 
 /// How near to an end of its longest side, in parts of it, the tip of a needle lies.
 const NEEDLE: f64 = 1e-9;
-/// Rounds after which what is left is dropped as it is. Neighbours wait for each other, so long chains need several.
+/// Rounds after which what is left is dropped as it is. Neighbours wait for each other, so crowded places need several.
 const ROUNDS: usize = 64;
+/// Rounds after which each must rid the mesh of a tenth of what is left, lest thousands around one vertex cost a round each.
+const PATIENCE: usize = 12;
 
 /// The polygons without area.
 pub(super) fn degenerate(soup: &Soup, surface: &Surface) -> Vec<u32> {
@@ -43,6 +45,7 @@ pub(super) fn harmless(soup: &Soup, sides: &Sides, faults: &[u32]) -> Vec<u32> {
 pub fn drop_degenerate(soup: &Soup) -> (Soup, usize) {
     let mut result = soup.clone();
     let mut count = 0;
+    let mut before = usize::MAX;
     for round in 0..=ROUNDS {
         if !repeated(&result).is_empty() {
             result = drop_repeated(&result).0;
@@ -53,7 +56,9 @@ pub fn drop_degenerate(soup: &Soup) -> (Soup, usize) {
         if faults.is_empty() {
             break;
         }
-        let is_last = round == ROUNDS || faults.len() == result.polygon_count();
+        let is_slow = round > PATIENCE && faults.len() > before / 10 * 9;
+        let is_last = round == ROUNDS || is_slow || faults.len() == result.polygon_count();
+        before = faults.len();
         result = if is_last {
             keep_polygons(&result, |i| faults.binary_search(&i).is_err())
         } else {

@@ -10,7 +10,10 @@ use crate::mesh::doctor::{Corner, Rebuild, Shape, Sides};
 /// the rim of a flat sheet is no hole.
 const BACK_TO_BACK: f64 = -0.99;
 
-/// Closes the boundary loops that have at most so many edges, if a polygon on their vertices is sound; counts them.
+/// The most edges of a hole that is closed: triangulating costs the square of it, and so large a flat lid helps nobody.
+const MOST: usize = 4096;
+
+/// Closes the boundary loops that have at most so many edges (and never more than 4096), if a polygon on their vertices is sound; counts them.
 ///
 /// Sound: the sides around the loop agree in direction, no vertex comes twice, every triangle has area and faces where the
 /// whole does, none lies on the back of its neighbour, and no diagonal joins vertices that an edge joins already. The
@@ -24,10 +27,10 @@ pub fn fill_holes(soup: &Soup, max_edges: Option<u32>) -> (Soup, usize) {
     let mut taken = BTreeSet::new();
     let mut count = 0;
     for hole in &shape.loops {
-        let is_small = max_edges.is_none_or(|most| hole.sides.len() <= most as usize);
+        let most = max_edges.map_or(MOST, |most| MOST.min(most as usize));
         let agrees =
             hole.sides.iter().zip(&hole.vertices).all(|(&s, &v)| soup.corners[s as usize] == v);
-        if !hole.is_closed || !is_small || !agrees {
+        if !hole.is_closed || hole.sides.len() > most || !agrees {
             continue;
         }
         let lid = Vec::from_iter(hole.vertices.iter().rev().copied());

@@ -119,11 +119,11 @@ pub fn triangles(soup: &Soup) -> Vec<[u32; 3]> {
 
 /// Whether nothing is left to be done that must be done.
 fn is_sound(soup: &Soup, drops_flat: bool) -> bool {
-    soup.polygon_count() == 0
-        || makes_a_mesh(soup)
-            && repeated(soup).is_empty()
-            && duplicates(soup).is_empty()
-            && (!drops_flat || degenerate(soup, &Surface::new(soup)).is_empty())
+    if soup.polygon_count() == 0 {
+        return true;
+    }
+    let is_surface = makes_a_mesh(soup) && repeated(soup).is_empty() && duplicates(soup).is_empty();
+    is_surface && (!drops_flat || degenerate(soup, &Surface::new(soup)).is_empty())
 }
 
 /// Whether the triangles of the polygons make a [`Mesh`].
