@@ -24,5 +24,6 @@ mod reading_off;
 mod reading_ply;
 mod reading_solids;
 mod scripts;
+mod solving;
 mod surfaces;
 mod tidy;
