@@ -124,7 +124,7 @@ export class Views {
     const { clientWidth: width, clientHeight: height } = canvas;
     const ratio = Math.max(devicePixelRatio || 1, PICTURE_PX / Math.max(width, height, 1));
     this.#leave();
-    this.#viewer.resize(view, width, height, ratio);
+      this.#viewer.resize(view, width, height, ratio);
     // Setting the theme makes the viewer draw although nothing else may be new.
     this.#viewer.set_theme(this.#flags.dark);
     this.#viewer.draw();
@@ -202,7 +202,7 @@ export class Views {
       if (width === 0 || height === 0 || this.#sizes[view] === size) return;
       this.#sizes[view] = size;
       this.#leave();
-    this.#viewer.resize(view, width, height, ratio);
+      this.#viewer.resize(view, width, height, ratio);
     });
   }
 

@@ -399,17 +399,30 @@ pub fn scene(document: &Document, shown: Option<&str>, revision: u32) -> Scene {
     result
 }
 
-/// From the file to the frame of the scene: the same as that of the pieces, so that the camera stays.
+/// From the file to the frame of the scene: the same as that of the pieces, to the last bit, so that the camera stays and
+/// the viewer knows the shade of a place already.
 fn placing(document: &Document) -> impl Fn([f64; 3]) -> Point3<f64> {
     let [low, high] = document.bounds.map(Vector3::from);
-    let centre = (low + high) / 2.0;
-    // As far as the farthest used vertex, which is what pictures of pieces are scaled by.
-    let radius = document
-        .triangles
-        .iter()
-        .flatten()
-        .map(|&v| (Vector3::from(document.soup.positions[v as usize]) - centre).norm())
-        .fold(0.0, f64::max);
-    let scale = if radius > 0.0 { 1.0 / radius } else { 1.0 };
-    move |p| Point3::from((Vector3::from(p) - centre) * scale)
+    let mut centre = (low + high) / 2.0;
+    let (mut scale, mut unit) = (1.0, 1.0);
+    match &document.surface {
+        Some(surface) => {
+            centre = surface.frame.centre.coords;
+            scale = surface.frame.scale;
+            unit = 1.0 / surface.radius().max(1e-300);
+        }
+        None => {
+            // As far as the farthest used vertex, as there.
+            let radius = document
+                .triangles
+                .iter()
+                .flatten()
+                .map(|&v| (Vector3::from(document.soup.positions[v as usize]) - centre).norm())
+                .fold(0.0, f64::max);
+            if radius > 0.0 {
+                unit = 1.0 / radius;
+            }
+        }
+    }
+    move |p| Point3::from((Vector3::from(p) - centre) * scale * unit)
 }

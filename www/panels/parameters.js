@@ -64,6 +64,9 @@ function rowFor(spec, change) {
   return switchRow(spec, change);
 }
 
+/** The group that the Mesh section shows in its own way. */
+const SIZE = "Size";
+
 /** The panel. `change(id, value)` is called while a slider moves. */
 export function parametersPanel(host, change) {
   let specs = [];
@@ -71,7 +74,8 @@ export function parametersPanel(host, change) {
   let rows = new Map();
 
   function build() {
-    rows = new Map(specs.map((spec) => [spec.id, { spec, ...rowFor(spec, (value) => change(spec.id, value)) }]));
+    const shown = specs.filter(({ group }) => group !== SIZE);
+    rows = new Map(shown.map((spec) => [spec.id, { spec, ...rowFor(spec, (value) => change(spec.id, value)) }]));
     const groups = new Map();
     for (const entry of rows.values()) {
       const name = entry.spec.advanced ? null : entry.spec.group;
