@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cutflow::session::{
     Command, Document, Event, FlattenReport, InfoReport, Layout, Problem, Session, Settings, Value,
-    cut_from_json, surface_layout,
+    cut_from_json, settings_for, surface_layout,
 };
 
 /// Prints a line. A reader that has gone away is no error: `cutflow info mesh.obj | head -1` is a good question.
@@ -231,6 +231,9 @@ fn tell_info(name: &str, info: &InfoReport, report: &Report) -> Result<(), Probl
         say!("  size {x:.6} × {y:.6} × {z:.6}, area {:.6} (unit of the file)", info.area);
         for notice in &info.notices {
             say!("  note: {}", notice.text);
+            if !notice.repairs.is_empty() {
+                say!("        repairs: {}", notice.repairs.join(", "));
+            }
         }
         if !info.solvable {
             say!("  not ready to be cut: add --repair");
@@ -242,8 +245,10 @@ fn tell_info(name: &str, info: &InfoReport, report: &Report) -> Result<(), Probl
 fn repair(mesh: &MeshArgs, only: &[String], output: &Path, report: &Report) -> Result<(), Problem> {
     let document = open(&MeshArgs { mesh: mesh.mesh.clone(), repair: false })?;
     let mut session = Session::new();
-    tell(session.open_with(Ok(document), Settings::for_sample(None)))?;
-    if only.is_empty() {
+    let settings = settings_for(&document);
+    let is_sound = document.surface.is_some();
+    tell(session.open_with(Ok(document), settings))?;
+    if only.is_empty() && !is_sound {
         tell(session.handle(Command::RepairAll))?;
     }
     for id in only {
@@ -266,7 +271,9 @@ fn prepare(args: &PrepareArgs) -> Result<(), Problem> {
         values.insert(id.to_owned(), value);
     }
     let mut session = Session::new();
-    tell(session.open_with(open(&args.mesh), Settings::for_sample(None)))?;
+    let document = open(&args.mesh)?;
+    let settings = settings_for(&document);
+    tell(session.open_with(Ok(document), settings))?;
     tell(session.handle(Command::Prepare { tool: args.tool.clone(), values }))?;
     while session.is_running() {
         tell(session.advance(&mut || true))?;
@@ -289,8 +296,9 @@ fn finish(
 }
 
 /// The parameters that the options ask for.
-fn settings(args: &CutArgs) -> Result<Settings, Problem> {
-    let mut settings = Settings::for_sample(None);
+fn settings(args: &CutArgs, document: &Document) -> Result<Settings, Problem> {
+    // A sample's own initial cut gives way to what the options say, its size does not.
+    let mut settings = settings_for(document);
     let init = match args.init {
         Init::Plane => "plane",
         Init::Circle => "circle",
@@ -332,7 +340,8 @@ fn cut(args: &CutArgs) -> Result<(), Problem> {
     let mut session = Session::new();
     let document = open(&args.mesh)?;
     document.surface()?;
-    tell(session.open_with(Ok(document), settings(args)?))?;
+    let settings = settings(args, &document)?;
+    tell(session.open_with(Ok(document), settings))?;
     if let Some(unit) = &args.unit {
         tell(session.handle(Command::SetUnit { id: unit.clone() }))?;
     }

@@ -74,7 +74,8 @@ pub fn without_slivers(mesh: &Mesh, geometry: &Geometry) -> Result<Option<Intrin
             .face_halfedges(f)
             .iter()
             .fold(0.0, |m: f64, h| m.max(geometry.edge_length(h.edge())));
-        !(2.0 * area > 1e-9 * longest * longest)
+        // What lengths can tell: a height below 1e-6 of the side leaves their sums less than four digits.
+        !(2.0 * area > 1e-6 * longest * longest)
     });
     let mut mollified = 0.0;
     if flat {
@@ -287,6 +288,24 @@ mod tests {
         }
         // The cap became √(2 · 1.6e-6) high.
         assert!((better.geometry.total_area() - 5.0).abs() < 4e-3);
+    }
+
+    #[test]
+    fn nearly_flat_caps_on_the_rim_get_finite_cotangents_at_every_height() {
+        for exponent in 3..=14 {
+            let height = 10f64.powi(-exponent);
+            // The long side of the cap 0-1-2 has nothing beside it to flip with.
+            let positions = [[0.0, 0.0], [2.0, 0.0], [1.0, height], [0.0, 2.0], [2.0, 2.0]];
+            let positions = positions.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec();
+            let triangles = [[0, 1, 2], [1, 4, 2], [2, 4, 3], [2, 3, 0]];
+            let mesh = Mesh::new(5, &triangles).unwrap();
+            let geometry = Geometry::measure(&mesh, positions);
+            let better = without_slivers(&mesh, &geometry).unwrap().unwrap();
+            let cotangents = better.geometry.corner_cotangents.iter().flatten();
+            // At least √(2e-6) high after mollifying: cotangents of 2 / height at most.
+            assert!(cotangents.copied().all(|c| c.abs() < 3e6), "{height}");
+            assert!(better.geometry.face_areas.iter().all(|a| *a > 0.0), "{height}");
+        }
     }
 
     #[test]

@@ -3,9 +3,10 @@
 //! A metric is given by edge lengths; positions in space only serve to measure them and to draw. Everything that flattening
 //! and cutting need is intrinsic and computed from lengths, so that it also works on metrics that live nowhere in space.
 //!
-//! Guaranteed: finite results for every [`Geometry`] that could be made, because [`Geometry::new`] refuses coordinates that
-//! are not finite and triangles without area. Not guaranteed: good conditioning; slivers give large cotangents, and
-//! [`without_slivers`] finds triangles of the same surface that do not.
+//! Guaranteed: finite results for every [`Geometry`] that [`Geometry::new`] made, which refuses coordinates that are not
+//! finite and triangles without area; [`Geometry::unit_area`] lets single ones through, whose normals are zero and whose
+//! curvature is none. Not guaranteed: good conditioning; slivers give large cotangents, and [`without_slivers`] finds triangles
+//! of the same surface that do not.
 
 mod curvature;
 mod distance;
@@ -210,13 +211,15 @@ impl Geometry {
         self.edge_lengths[e.index()]
     }
 
-    /// Unit normals of the faces.
+    /// Unit normals of the faces; zero for faces without area.
     pub fn face_normals(&self, mesh: &Mesh) -> Vec<Vector3<f64>> {
         mesh.triangles()
             .iter()
             .map(|&[a, b, c]| {
                 let [a, b, c] = [a, b, c].map(|v| self.positions[v.index()]);
-                (b - a).cross(&(c - a)).normalize()
+                let normal = (b - a).cross(&(c - a));
+                let length = normal.norm();
+                if length > 0.0 { normal / length } else { Vector3::zeros() }
             })
             .collect()
     }
@@ -225,13 +228,15 @@ impl Geometry {
     pub fn vertex_normals(&self, mesh: &Mesh) -> Vec<Vector3<f64>> {
         let mut normals = vec![Vector3::zeros(); mesh.vertex_count()];
         for (f, normal) in self.face_normals(mesh).into_iter().enumerate() {
-            for (v, angle) in mesh.face_vertices(FaceId::from(f)).iter().zip(self.corner_angles[f])
-            {
+            let corners = mesh.face_vertices(FaceId::from(f)).into_iter();
+            for (v, angle) in corners.zip(self.corner_angles[f]).filter(|_| normal.norm() > 0.0) {
                 normals[v.index()] += normal * angle;
             }
         }
         for normal in &mut normals {
-            *normal = normal.try_normalize(1e-300).unwrap_or_else(Vector3::z);
+            // Not `<=`: angles of faces without area may be anything but finite.
+            let length = normal.norm();
+            *normal = if length > 1e-300 { *normal / length } else { Vector3::z() };
         }
         normals
     }

@@ -141,10 +141,10 @@ pub fn uv_obj(surface: &CutSurface, charts: &[[f64; 2]], chart_unit: f64) -> Vec
                 out += &own_group.map_or(String::new(), |name| format!(" {}", word(name)));
                 out.push('\n');
             }
-            if own_material.is_some() && material != own_material {
+            if material != own_material {
                 material = own_material;
-                out +=
-                    &own_material.map_or(String::new(), |name| format!("usemtl {}\n", line(name)));
+                let name = own_material.map_or(String::new(), |name| format!(" {}", line(name)));
+                out += &format!("usemtl{name}\n");
             }
             out.push('f');
             for (corner, v) in opened.mesh.triangles()[face].into_iter().enumerate() {
@@ -187,10 +187,11 @@ pub fn mesh_obj(soup: &Soup, mm_per_unit: Option<f64>) -> Vec<u8> {
         ];
         for (key, numbers, names, current) in changes {
             let Some(&now) = numbers.get(i) else { continue };
-            if std::mem::replace(current, now) != now
-                && let Some(name) = names.get(now as usize)
-            {
-                out += &format!("{key} {}\n", line(name));
+            if std::mem::replace(current, now) != now {
+                // Without a name there is none from here on.
+                let name =
+                    names.get(now as usize).map_or(String::new(), |n| format!(" {}", line(n)));
+                out += &format!("{key}{name}\n");
             }
         }
         out.push('f');

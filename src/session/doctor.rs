@@ -7,10 +7,11 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::document::Document;
-use super::message::{DoctorReport, FindingText, NoticeText, RepairChoice};
+use super::document::{Document, inward_polygons};
+use super::message::{DoctorReport, Event, FindingText, NoticeText, RepairChoice};
 use super::scene::{PatchScene, Scene};
 use super::text::{Problem, plural};
+use super::{Session, nothing_open, size};
 use crate::geometry::doctor::Examination;
 use crate::mesh::doctor::{Finding, FindingKind, Repair, Severity};
 
@@ -21,7 +22,7 @@ const MARKS: usize = 20_000;
 pub fn report(document: &Document, shown: Option<&str>) -> DoctorReport {
     let examination = &document.examination;
     let findings: Vec<FindingText> =
-        sorted(examination).into_iter().map(|finding| finding_text(document, finding)).collect();
+        sorted(examination).into_iter().map(|finding| finding_text(finding)).collect();
     let solvable = document.surface.is_some();
     let warnings = findings.iter().filter(|f| f.severity == "warning").count();
     let headline = if !solvable {
@@ -42,6 +43,7 @@ pub fn notices(examination: &Examination) -> Vec<NoticeText> {
         kind: finding.kind.id().to_owned(),
         count: finding.count,
         text: sentence(finding),
+        repairs: finding.repairs.iter().map(Repair::id).collect(),
     };
     sorted(examination).into_iter().map(notice).collect()
 }
@@ -92,7 +94,13 @@ fn sorted(examination: &Examination) -> Vec<&Finding> {
     findings
 }
 
-fn finding_text(document: &Document, finding: &Finding) -> FindingText {
+/// Whether a finding names places. The first face of a component says nothing about where its defect is.
+fn can_show(finding: &Finding) -> bool {
+    !matches!(finding.kind, FindingKind::Components | FindingKind::HugeRatio)
+        && !(finding.faces.is_empty() && finding.edges.is_empty() && finding.vertices.is_empty())
+}
+
+fn finding_text(finding: &Finding) -> FindingText {
     let severity = match finding.severity {
         Severity::Blocks => "blocks",
         Severity::Warning => "warning",
@@ -104,7 +112,7 @@ fn finding_text(document: &Document, finding: &Finding) -> FindingText {
         count: finding.count,
         text: sentence(finding),
         place: place(finding),
-        can_show: Marks::of(document, finding).is_some(),
+        can_show: can_show(finding),
         repairs: finding.repairs.iter().map(repair_choice).collect(),
     }
 }
@@ -293,22 +301,22 @@ struct Marks {
 impl Marks {
     /// Of a finding, none where it names no place that can be seen.
     fn of(document: &Document, finding: &Finding) -> Option<Self> {
-        // The first face of a component says nothing about where its defect is.
-        let by_component = matches!(finding.kind, FindingKind::Components | FindingKind::HugeRatio);
-        if by_component
-            || (finding.faces.is_empty() && finding.edges.is_empty() && finding.vertices.is_empty())
-        {
+        if !can_show(finding) {
             return None;
         }
         let mut polygons = vec![false; document.soup.polygon_count()];
-        let whole = finding.kind == FindingKind::InsideOut;
-        for &face in &finding.faces {
-            polygons[face as usize] = true;
+        let inward = finding.kind == FindingKind::InsideOut;
+        if inward {
+            polygons = inward_polygons(&document.examination);
+        } else {
+            for &face in &finding.faces {
+                polygons[face as usize] = true;
+            }
         }
         let triangles: Vec<bool> =
-            document.triangle_polygons.iter().map(|&p| whole || polygons[p as usize]).collect();
+            document.triangle_polygons.iter().map(|&p| polygons[p as usize]).collect();
         let mut segments: Vec<[u32; 2]> = finding.edges.iter().copied().take(MARKS).collect();
-        if !whole {
+        if !inward {
             // Thin faces are seen by their outlines only.
             for &face in finding.faces.iter().take(MARKS / 4) {
                 let corners = document.soup.polygon(face as usize);
@@ -425,4 +433,54 @@ fn placing(document: &Document) -> impl Fn([f64; 3]) -> Point3<f64> {
         }
     }
     move |p| Point3::from((Vector3::from(p) - centre) * scale * unit)
+}
+
+impl Session {
+    /// Marks a finding on the surface, or goes back to the pieces.
+    pub(super) fn show_finding(
+        &mut self,
+        id: Option<String>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let known =
+            |id: &String| work.document.examination.findings.iter().any(|f| f.kind.id() == id);
+        self.shown = id.filter(known);
+        self.scene_is_new = true;
+        events.extend(self.doctor_event());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    /// One repair, or all that are recommended.
+    pub(super) fn repair(
+        &mut self,
+        id: Option<&str>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let (document, label) = match id {
+            Some(id) => work.document.repaired_by(id)?,
+            None if work.document.examination.recommended().is_empty() => {
+                return Err(Problem::new(
+                    "There is nothing to repair: the mesh can be cut as it is.",
+                    format!("{}.", work.document.name),
+                    "Choose one of the repairs that a finding offers, if you wish.",
+                ));
+            }
+            None => (work.document.repaired()?, "repair".to_owned()),
+        };
+        let mut settings = work.settings.clone();
+        size::keep(&work.document, &document, &mut settings);
+        self.change_to(document, settings, &label, events);
+        Ok(())
+    }
+
+    /// Goes back to the pieces, for somebody who goes on cutting.
+    pub(super) fn unmark(&mut self, events: &mut Vec<Event>) {
+        if self.shown.take().is_some() {
+            self.scene_is_new = true;
+            events.extend(self.doctor_event());
+        }
+    }
 }

@@ -14,6 +14,9 @@ use crate::mesh::Soup;
 use crate::mesh::doctor::{FindingKind, Repair};
 use crate::mesh::read::{self, ReadNotice};
 
+/// Largest polygon that is divided: a second's work for all that look at it.
+const MOST_CORNERS: usize = 5000;
+
 /// A mesh as it was opened, repaired or prepared.
 #[derive(Clone, Debug)]
 pub struct Document {
@@ -79,27 +82,28 @@ impl Document {
         soup: Soup,
         reading: Vec<NoticeText>,
     ) -> Result<Self, Problem> {
+        check_polygons(name, &soup)?;
         let bounds = used_bounds(&soup);
         let examination = doctor::examine(&soup);
-        let (mut triangles, triangle_polygons, polygons) = triangulate(&soup);
+        let (triangles, triangle_polygons, polygons) = triangulate(&soup);
         let soup = Rc::new(soup);
         let mut surface = None;
         super::doctor::refuse_hopeless(name, &examination)?;
         if examination.is_solvable {
-            // A closed surface that is inside out is solved the right way round; the file stays as it is.
-            if examination.find(FindingKind::InsideOut).is_some() {
-                triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            // Closed parts that are inside out are solved the right way round; the file stays as it is.
+            let inward = inward_polygons(&examination);
+            let mut outward = triangles.clone();
+            for (t, &polygon) in outward.iter_mut().zip(&triangle_polygons) {
+                if inward.get(polygon as usize) == Some(&true) {
+                    t.swap(1, 2);
+                }
             }
-            let own = triangles.clone();
-            surface = Some(Surface::new(name, soup.clone(), own, triangle_polygons.clone())?);
+            surface = Some(Surface::new(name, soup.clone(), outward, triangle_polygons.clone())?);
         }
         let mut notices = reading.clone();
         if polygons > 0 {
-            notices.push(NoticeText {
-                kind: "polygons".into(),
-                count: polygons,
-                text: format!("{} were divided into triangles.", plural(polygons, "polygon")),
-            });
+            let text = format!("{} were divided into triangles.", plural(polygons, "polygon"));
+            notices.push(NoticeText::new("polygons", polygons, text));
         }
         notices.extend(super::doctor::notices(&examination));
         let summary = MeshSummary {
@@ -134,7 +138,9 @@ impl Document {
 
     /// The same document after all repairs that stand in the way of methods.
     pub fn repaired(&self) -> Result<Self, Problem> {
-        self.with_soup(doctor::repair_all(&self.soup).0)
+        let (soup, done) = doctor::repair_all(&self.soup);
+        // A healthy mesh is not made anew.
+        if done.is_empty() { Ok(self.clone()) } else { self.with_soup(soup) }
     }
 
     /// The same document after one repair, and what Undo calls it.
@@ -174,10 +180,33 @@ impl Document {
     }
 }
 
+/// For each polygon whether it belongs to a closed component that is inside out; empty where none does.
+pub(super) fn inward_polygons(examination: &Examination) -> Vec<bool> {
+    let Some(finding) = examination.find(FindingKind::InsideOut) else { return Vec::new() };
+    let components = &examination.face_components;
+    let mut is_inward = vec![false; examination.components.len()];
+    for &face in &finding.faces {
+        is_inward[components[face as usize] as usize] = true;
+    }
+    components.iter().map(|&c| is_inward.get(c as usize) == Some(&true)).collect()
+}
+
+/// Refuses polygons that would take forever to divide: the time grows with the square of their corners.
+fn check_polygons(name: &str, soup: &Soup) -> Result<(), Problem> {
+    let corners = |i: usize| soup.polygon(i).len();
+    match (0..soup.polygon_count()).find(|&i| corners(i) > MOST_CORNERS) {
+        None => Ok(()),
+        Some(i) => Err(Problem::new(
+            format!("A face has {} corners, more than {MOST_CORNERS}.", corners(i)),
+            format!("{name}, face {i} (counted from 0)."),
+            "Divide large faces into smaller ones in a modelling program.",
+        )),
+    }
+}
+
 /// Something that was passed over in reading.
 fn notice(notice: &ReadNotice) -> NoticeText {
-    let text = capital(&notice.to_string());
-    NoticeText { kind: notice.kind.to_owned(), count: notice.count, text: format!("{text}.") }
+    NoticeText::new(notice.kind, notice.count, capital(&notice.to_string()) + ".")
 }
 
 /// Corners of the box around the vertices that faces use.

@@ -343,6 +343,16 @@ pub struct NoticeText {
     pub count: usize,
     /// A sentence.
     pub text: String,
+    /// Identifiers of the repairs on offer.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub repairs: Vec<String>,
+}
+
+impl NoticeText {
+    /// A notice that nothing can be done about.
+    pub fn new(kind: &str, count: usize, text: impl Into<String>) -> Self {
+        Self { kind: kind.to_owned(), count, text: text.into(), repairs: Vec::new() }
+    }
 }
 
 /// A term of the objective.

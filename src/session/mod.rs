@@ -23,9 +23,9 @@ pub mod scene;
 mod size;
 mod surface;
 mod text;
+mod undo;
 mod work;
 
-use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::methods::cutflow::CutFlow;
@@ -44,17 +44,12 @@ pub use message::{
 pub use params::{Effect, Settings, specs};
 pub use report::{CutReport, FlattenReport, HistoryRow, InfoReport};
 pub use scene::Scene;
+pub use size::settings_for;
 pub use surface::Surface;
 pub use text::Problem;
 
-/// Changes that Undo can take back.
-const UNDO_DEPTH: usize = 40;
-
 /// Triangles beyond which a mesh is shown before its first cut is made.
 const SHOWN_FIRST: usize = 50_000;
-
-/// Documents that Undo can go back to, the open one included.
-const UNDO_DOCUMENTS: usize = 3;
 
 /// One open mesh, its cut, and the way back.
 #[derive(Default)]
@@ -80,14 +75,8 @@ impl Session {
     /// Does what a person asks for, in short time.
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
-        // Whoever asks for something else does not want to wait for the end of a preparation.
-        let is_look = matches!(
-            command,
-            Command::Hello | Command::ShowField { .. } | Command::ShowFinding { .. }
-        );
-        if !is_look {
-            self.preparation = None;
-            self.make_first_cut(&mut events);
+        if !goes_along_with_preparing(&command) && self.preparation.take().is_some() {
+            events.push(self.status());
         }
         let result = match command {
             Command::Hello => {
@@ -111,8 +100,15 @@ impl Session {
             }
             Command::Undo => self.travel(true, &mut events),
             Command::Redo => self.travel(false, &mut events),
+            Command::DismissError => {
+                events.push(self.status());
+                Ok(())
+            }
             // What was being prepared has been dropped above.
-            Command::DismissError | Command::Cancel => {
+            Command::Cancel => {
+                if let Some(work) = &mut self.work {
+                    work.first_cut_is_due = false;
+                }
                 events.push(self.status());
                 events.push(Event::Scene);
                 Ok(())
@@ -186,11 +182,18 @@ impl Session {
 
     /// Makes the initial cut of a mesh that has only been shown so far.
     fn make_first_cut(&mut self, events: &mut Vec<Event>) {
-        let Some(work) = self.work.as_mut().filter(|work| work.first_cut_is_due) else { return };
+        let Some(work) = &mut self.work else { return };
         work.first_cut_is_due = false;
         match start_flow(&work.document, &work.settings, None) {
             Ok(flow) => work.begin(flow),
-            Err(problem) => events.push(error_event(problem)),
+            Err(problem) => {
+                // As with small meshes: opened all the same, with a notice.
+                if let Some(document) = Rc::get_mut(&mut work.document) {
+                    document.summary.notices.push(no_initial_cut(&problem));
+                    events.push(Event::Mesh(document.summary.clone()));
+                    events.extend(self.mesh_events());
+                }
+            }
         }
         self.push_energy(events);
         self.settle(events);
@@ -204,7 +207,8 @@ impl Session {
             return None;
         }
         let work = self.work.as_mut()?;
-        if work.document.surface.is_none() || work.first_cut_is_due || self.shown.is_some() {
+        let is_uncut = work.flow.is_none() && work.layout.is_none();
+        if work.document.surface.is_none() || is_uncut || self.shown.is_some() {
             let scene = doctor::scene(&work.document, self.shown.as_deref(), work.revision);
             work.revision += 1;
             return Some(scene);
@@ -231,13 +235,10 @@ impl Session {
 
     /// The bytes of an export, by the name of its menu item.
     pub fn export(&mut self, kind: &str) -> Result<File, Problem> {
-        let mut events = Vec::new();
-        self.make_first_cut(&mut events);
-        self.late.extend(events);
-        let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        if !work.is_settled && work.document.surface.is_some() {
-            work.settle()?;
+        if kind != work::MESH {
+            self.settled()?;
         }
+        let Some(work) = &self.work else { return Err(nothing_open()) };
         work.export(kind)
     }
 
@@ -253,26 +254,26 @@ impl Session {
 
     /// The report of `cutflow cut`. **Takes** the time that the driver measured.
     pub fn cut_report(&mut self, seconds: Option<f64>) -> Result<CutReport, Problem> {
-        let mut events = Vec::new();
-        self.make_first_cut(&mut events);
-        self.late.extend(events);
-        let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        if !work.is_settled {
-            work.settle()?;
-        }
-        work.cut_report(seconds)
+        self.settled()?.cut_report(seconds)
     }
 
     /// The layout at rest, of the current cut.
     pub fn layout(&mut self) -> Result<&Layout, Problem> {
-        let mut events = Vec::new();
-        self.make_first_cut(&mut events);
-        self.late.extend(events);
+        self.settled()?.layout.as_ref().ok_or_else(nothing_open)
+    }
+
+    /// The work with a cut that is flattened whole.
+    fn settled(&mut self) -> Result<&mut Work, Problem> {
+        if self.first_cut_is_due() {
+            let mut events = Vec::new();
+            self.make_first_cut(&mut events);
+            self.late.extend(events);
+        }
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         if !work.is_settled {
             work.settle()?;
         }
-        work.layout.as_ref().ok_or_else(nothing_open)
+        Ok(work)
     }
 
     /// Labels of the mesh's vertices now.
@@ -313,8 +314,7 @@ impl Session {
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
         let document = document?;
-        let mut settings = Settings::for_sample(document.sample.as_deref());
-        size::guess(&document, &mut settings);
+        let settings = size::settings_for(&document);
         self.adopt_with(document, settings, events);
         Ok(())
     }
@@ -338,11 +338,7 @@ impl Session {
             Ok(flow) => flow,
             Err(_) if document.surface.is_none() => None,
             Err(problem) => {
-                document.summary.notices.push(NoticeText {
-                    kind: "no_initial_cut".into(),
-                    count: 1,
-                    text: format!("{} {}", problem.what, problem.what_to_do),
-                });
+                document.summary.notices.push(no_initial_cut(&problem));
                 None
             }
         };
@@ -369,69 +365,17 @@ impl Session {
             self.shown = None;
             events.push(self.samples());
             events.push(self.fields());
-            events.extend(self.doctor_event());
-            events.extend(self.tools_event());
+            events.extend(self.mesh_events());
         }
         events.push(self.parameters());
-        events.extend(self.size_event());
+        if !is_other {
+            events.extend(self.size_event());
+        }
         self.push_energy(events);
         self.settle(events);
         events.push(self.history_event());
         events.push(self.status());
         events.push(Event::Scene);
-    }
-
-    /// Keeps what is there now under the name of the change that comes.
-    fn remember(&mut self, label: &str, kind: &str) {
-        let Some(work) = &self.work else { return };
-        self.redo.clear();
-        // Moving one slider is one change, unless steps were made meanwhile.
-        let is_same = |last: &Snapshot| {
-            last.kind == kind
-                && kind.starts_with("set ")
-                && last.history.len() == work.history.len()
-        };
-        if self.undo.last().is_some_and(is_same) {
-            return;
-        }
-        self.undo.push(work.snapshot(label, kind));
-        if self.undo.len() > UNDO_DEPTH {
-            self.undo.remove(0);
-        }
-        // Documents are what takes memory.
-        let mut documents: Vec<*const Document> = vec![Rc::as_ptr(&work.document)];
-        let keeps = |snapshot: &Snapshot| {
-            let document = Rc::as_ptr(&snapshot.document);
-            if !documents.contains(&document) {
-                documents.push(document);
-            }
-            documents.len() <= UNDO_DOCUMENTS
-        };
-        let kept = self.undo.iter().rev().map(keeps).take_while(|&keep| keep).count();
-        self.undo.drain(..self.undo.len() - kept);
-    }
-
-    /// Undo or redo.
-    fn travel(&mut self, back: bool, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let (from, to) =
-            if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
-        let Some(target) = from.last() else { return Ok(()) };
-        let flow = match &target.checkpoint {
-            Some(checkpoint) => {
-                Some(start_flow(&target.document, &target.settings, Some(checkpoint))?)
-            }
-            None => None,
-        };
-        let Some(target) = from.pop() else { return Ok(()) };
-        if let Some(work) = &self.work {
-            to.push(work.snapshot(&target.label, &target.kind));
-        }
-        let mut work = Work::new(target.document, target.settings, flow);
-        work.history = target.history;
-        work.start = target.start;
-        work.first_cut_is_due = target.first_cut_is_due;
-        self.install(work, events);
-        Ok(())
     }
 
     fn set_parameter(
@@ -518,7 +462,8 @@ impl Session {
     }
 
     fn run(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        self.need_flow()?;
+        self.need_flow(events)?;
+        self.unmark(events);
         if self.is_at_end() {
             events.push(self.status());
             return Ok(());
@@ -544,7 +489,8 @@ impl Session {
     }
 
     fn step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        self.need_flow()?;
+        self.need_flow(events)?;
+        self.unmark(events);
         self.is_running = false;
         let has_ended =
             |work: &Work| work.flow.as_ref().is_some_and(|f| f.status() != Status::Running);
@@ -579,81 +525,16 @@ impl Session {
         Ok(())
     }
 
-    /// Marks a finding on the surface, or goes back to the pieces.
-    fn show_finding(&mut self, id: Option<String>, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let Some(work) = &self.work else { return Err(nothing_open()) };
-        let known =
-            |id: &String| work.document.examination.findings.iter().any(|f| f.kind.id() == id);
-        self.shown = id.filter(known);
-        self.scene_is_new = true;
-        events.extend(self.doctor_event());
-        events.push(Event::Scene);
-        Ok(())
-    }
-
-    /// One repair, or all that are recommended.
-    fn repair(&mut self, id: Option<&str>, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let Some(work) = &self.work else { return Err(nothing_open()) };
-        let (document, label) = match id {
-            Some(id) => work.document.repaired_by(id)?,
-            None => (work.document.repaired()?, "repair".to_owned()),
-        };
-        let settings = work.settings.clone();
-        self.change_to(document, settings, &label, events);
-        Ok(())
-    }
-
-    /// Starts a preparation; [`Session::advance`] goes on with it.
-    fn prepare(
-        &mut self,
-        tool: &str,
-        values: &BTreeMap<String, f64>,
-        events: &mut Vec<Event>,
-    ) -> Result<(), Problem> {
-        let Some(work) = &self.work else { return Err(nothing_open()) };
-        let preparation = Preparation::new(&work.document, tool, values)?;
-        self.is_running = false;
-        events.push(preparation.progress());
-        self.preparation = Some(preparation);
-        events.push(self.status());
-        Ok(())
-    }
-
-    /// One step of the preparation; its result becomes the document at the end.
-    fn prepare_on(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let (Some(work), Some(mut preparation)) = (&self.work, self.preparation.take()) else {
-            return Ok(());
-        };
-        let report =
-            preparation.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
-        events.push(preparation.progress());
-        if report.status == Status::Running {
-            self.preparation = Some(preparation);
-            return Ok(());
-        }
-        let label = preparation.label.to_lowercase();
-        let (soup, note) = preparation.finish(report.status);
-        let mut document = work.document.with_soup(soup)?;
-        if let Some(note) = note {
-            document.summary.notices.push(NoticeText {
-                kind: "prepared".into(),
-                count: 1,
-                text: note.into(),
-            });
-        }
-        let settings = work.settings.clone();
-        self.change_to(document, settings, &label, events);
-        Ok(())
-    }
-
     fn doctor_event(&self) -> Option<Event> {
         let work = self.work.as_ref()?;
         Some(Event::Doctor(doctor::report(&work.document, self.shown.as_deref())))
     }
 
-    fn tools_event(&self) -> Option<Event> {
-        let work = self.work.as_ref()?;
-        Some(Event::Tools { options: preparing::tools(&work.document) })
+    /// What follows the facts of a mesh: findings, tools, size.
+    fn mesh_events(&self) -> impl Iterator<Item = Event> + use<> {
+        let tools = self.work.as_ref().map(|work| preparing::tools(&work.document));
+        let tools = tools.map(|options| Event::Tools { options });
+        [self.doctor_event(), tools, self.size_event()].into_iter().flatten()
     }
 
     fn size_event(&self) -> Option<Event> {
@@ -670,18 +551,17 @@ impl Session {
         })
     }
 
-    /// Explains why there is nothing to run.
-    fn need_flow(&self) -> Result<(), Problem> {
-        let Some(work) = &self.work else { return Err(nothing_open()) };
+    /// Sees to it that there is a cut to improve, or explains why there is none.
+    fn need_flow(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
         if work.flow.is_some() {
             return Ok(());
         }
-        start_flow(&work.document, &work.settings, None)?;
-        Err(Problem::new(
-            "There is no cut to improve.",
-            format!("{}, initial cut.", work.document.name),
-            "Choose another initial cut.",
-        ))
+        let flow = start_flow(&work.document, &work.settings, None)?;
+        work.begin(flow);
+        self.push_energy(events);
+        self.settle(events);
+        Ok(())
     }
 
     fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
@@ -778,7 +658,7 @@ impl Session {
             ("running", format!("Running step {step}"))
         } else {
             match work.flow.as_ref().map(CutFlow::status) {
-                None => ("ready", "Ready: choose another initial cut".to_owned()),
+                None => ("ready", "Ready: not cut yet".to_owned()),
                 Some(Status::Converged) => ("converged", format!("Converged after {} steps", step)),
                 // Every direction was tried at every length: as good an end as the other.
                 Some(Status::Stalled) => (
@@ -798,6 +678,24 @@ impl Session {
 
 fn error_event(problem: Problem) -> Event {
     Event::Error { what: problem.what, place: problem.place, what_to_do: problem.what_to_do }
+}
+
+/// Whether a preparation goes on beside a command: looks, and parameters of what comes after it.
+fn goes_along_with_preparing(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Hello
+            | Command::ShowField { .. }
+            | Command::ShowFinding { .. }
+            | Command::SetParameter { .. }
+            | Command::SetUnit { .. }
+            | Command::SetSize { .. }
+            | Command::DismissError
+    )
+}
+
+fn no_initial_cut(problem: &Problem) -> NoticeText {
+    NoticeText::new("no_initial_cut", 1, format!("{} {}", problem.what, problem.what_to_do))
 }
 
 fn nothing_open() -> Problem {

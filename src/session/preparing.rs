@@ -9,8 +9,9 @@
 use std::collections::BTreeMap;
 
 use super::document::Document;
-use super::message::{Event, ToolParam, ToolSpec};
+use super::message::{Event, NoticeText, ToolParam, ToolSpec};
 use super::text::Problem;
+use super::{Session, nothing_open, size};
 use crate::mesh::Soup;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 use crate::methods::prepare::{
@@ -81,9 +82,24 @@ impl Preparation {
                 format!("Choose one of {known}."),
             ));
         };
-        document.surface()?;
         let number = values_of(document, id, values)?;
         let wrong = |error: SolveError| Problem::solve(&document.name, &error);
+        let given = document.surface()?;
+        if id == "remesh" {
+            // Equilateral triangles of the new edge length; finer where curved, at most four times as many on the whole.
+            let edge = number("edge") * given.geometry.mean_edge_length();
+            let faces = given.geometry.total_area() / (0.433 * edge * edge);
+            let faces = faces * (1.0 + 3.0 * number("adaptivity"));
+            if faces > MOST_FACES {
+                return Err(Problem::new(
+                    format!(
+                        "Edges that short would make about {faces:.0} triangles, more than {MOST_FACES}."
+                    ),
+                    "Edge length.",
+                    "Choose longer edges.",
+                ));
+            }
+        }
         let surface =
             Surface::new(&document.soup, &document.triangles, &document.triangle_polygons)
                 .map_err(|error| wrong(error.into()))?;
@@ -270,4 +286,55 @@ pub fn tools(document: &Document) -> Vec<ToolSpec> {
             ToolSpec { id: id.into(), label: label.into(), help: help.into(), advice, params }
         })
         .collect()
+}
+
+impl Session {
+    /// Starts a preparation; [`Session::advance`] goes on with it.
+    pub(super) fn prepare(
+        &mut self,
+        tool: &str,
+        values: &BTreeMap<String, f64>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let preparation = Preparation::new(&work.document, tool, values)?;
+        if self.is_running {
+            self.pause(events)?;
+        }
+        events.push(preparation.progress());
+        self.preparation = Some(preparation);
+        events.push(self.status());
+        Ok(())
+    }
+
+    /// One step of the preparation; its result becomes the document at the end.
+    pub(super) fn prepare_on(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let (Some(work), Some(mut preparation)) = (&self.work, self.preparation.take()) else {
+            return Ok(());
+        };
+        let report =
+            preparation.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
+        events.push(preparation.progress());
+        if report.status == Status::Running {
+            self.preparation = Some(preparation);
+            return Ok(());
+        }
+        let label = preparation.label.to_lowercase();
+        let (soup, note) = preparation.finish(report.status);
+        if soup.positions == work.document.soup.positions {
+            return Err(Problem::new(
+                "The tool changed nothing: the mesh is as it should become already.",
+                format!("{}.", work.document.name),
+                note.unwrap_or("Choose other parameters."),
+            ));
+        }
+        let mut document = work.document.with_soup(soup)?;
+        if let Some(note) = note {
+            document.summary.notices.push(NoticeText::new("prepared", 1, note));
+        }
+        let mut settings = work.settings.clone();
+        size::keep(&work.document, &document, &mut settings);
+        self.change_to(document, settings, &label, events);
+        Ok(())
+    }
 }

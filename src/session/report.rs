@@ -64,6 +64,8 @@ pub struct CutReport {
     pub patches: Vec<PatchReport>,
     /// The charts.
     pub flattening: FlattenReport,
+    /// Real size: millimetres of one unit of the file.
+    pub mm_per_unit: f64,
     /// Solving time, where the driver measured it.
     pub seconds: Option<f64>,
     /// Solving time over steps; `null` without steps.

@@ -25,19 +25,37 @@ fn millimetres(unit: &str) -> Option<f64> {
     UNITS.iter().find(|(id, ..)| *id == unit).and_then(|(_, _, mm)| *mm)
 }
 
-/// Sets the unit and the size that a newly opened file is taken to have: metres for glTF, which says so, millimetres for
+/// The parameters that suit a newly opened mesh, with the unit and the size that it is taken to have: metres for glTF, which says so, millimetres for
 /// STL, which means it, where the result is of a size that things have.
-pub fn guess(document: &Document, settings: &mut Settings) {
+pub fn settings_for(document: &Document) -> Settings {
+    let mut settings = Settings::for_sample(document.sample.as_deref());
     let unit = match document.format {
         "glTF" => "m",
         "STL" => "mm",
-        _ => return,
+        _ => return settings,
     };
     let size = document.largest_side() * millimetres(unit).unwrap_or(1.0);
     if BELIEVED_MM.contains(&size) {
         settings.put("unit", Value::Text(unit.into()));
         settings.put("size", Value::Number(size));
     }
+    settings
+}
+
+/// Keeps the real size of a unit of the file when the mesh becomes another one, as after a repair that drops parts.
+pub fn keep(old: &Document, new: &Document, settings: &mut Settings) {
+    let size = mm_per_file_unit(old, settings) * new.largest_side();
+    settings.put("size", Value::Number(size.clamp(RANGE_MM[0], RANGE_MM[1])));
+}
+
+/// Millimetres of one unit of the file where somebody has said so: the file's unit is known, or the size is not the one that
+/// everything has at first.
+pub fn stated(document: &Document, settings: &Settings) -> Option<f64> {
+    let first = Settings::for_sample(None).number("size");
+    let is_stated = settings.text("unit") != "none"
+        || document.sample.is_some()
+        || (settings.number("size") - first).abs() > 0.0;
+    is_stated.then(|| mm_per_file_unit(document, settings))
 }
 
 /// Gives the model the size that the unit of the file says. **Fails** if that is no thing that can be made.

@@ -15,6 +15,9 @@ use crate::methods::cutflow::{Checkpoint, CutFlow, Weights};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, Pattern, Sheet, SheetParams};
 
+/// The export that needs no cut.
+pub(super) const MESH: &str = "Mesh (OBJ)";
+
 /// A document, its parameters and its cut.
 pub(super) struct Work {
     pub document: Rc<Document>,
@@ -117,6 +120,7 @@ impl Work {
     pub fn begin(&mut self, flow: CutFlow) {
         self.history = vec![first_row(&flow)];
         self.flow = Some(flow);
+        self.first_cut_is_due = false;
         self.start = None;
         self.is_settled = false;
     }
@@ -271,6 +275,7 @@ impl Work {
             residual: flow.state().residual(),
             patches: patch_reports(layout),
             flattening: FlattenReport::new(layout, None),
+            mm_per_unit: size::mm_per_file_unit(&self.document, &self.settings),
             seconds,
             seconds_per_step: seconds.filter(|_| steps > 0).map(|s| s / steps as f64),
         })
@@ -278,12 +283,12 @@ impl Work {
 
     pub fn export(&self, kind: &str) -> Result<File, Problem> {
         let document = &*self.document;
-        if kind == "Mesh (OBJ)" {
-            let mm = size::mm_per_file_unit(document, &self.settings);
+        if kind == MESH {
+            let mm = size::stated(document, &self.settings);
             return Ok(File {
                 name: format!("{}-mesh.obj", stem(&document.name)),
                 mime: "model/obj",
-                bytes: pattern::mesh_obj(&document.soup, Some(mm)),
+                bytes: pattern::mesh_obj(&document.soup, mm),
             });
         }
         let given = document.surface()?;

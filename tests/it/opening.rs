@@ -141,7 +141,7 @@ fn run_through(name: &str, bytes: &[u8]) -> Session {
 }
 
 fn assert_sound(session: &mut Session, name: &str) {
-    let Some(scene) = session.scene() else { return };
+    let scene = session.scene().unwrap_or_else(|| panic!("{name} is shown"));
     assert!(scene.positions.iter().chain(&scene.normals).all(|x| x.is_finite()), "{name}");
     assert!(scene.mark_points.iter().chain(&scene.mark_segments).all(|x| x.is_finite()), "{name}");
     let count = scene.vertex_patches.len();
@@ -501,5 +501,83 @@ fn a_large_mesh_is_shown_before_its_first_cut() {
     hasty.open("large.obj", text.as_bytes());
     let events =
         hasty.handle(Command::SetParameter { id: "length".into(), value: Value::Number(3.0) });
-    assert!(errors(&events).is_empty() && !hasty.history().is_empty());
+    assert!(errors(&events).is_empty() && hasty.is_running());
+    let events = hasty.handle(Command::Cancel);
+    assert!(errors(&events).is_empty() && !hasty.is_running() && hasty.history().is_empty());
+    // The mesh itself needs no cut.
+    assert!(!hasty.export("Mesh (OBJ)").unwrap().bytes.is_empty() && hasty.history().is_empty());
+    assert!(errors(&hasty.handle(Command::Step)).is_empty() && !hasty.history().is_empty());
+}
+
+#[test]
+fn dropping_parts_keeps_the_real_size_of_the_others() {
+    // Balls of radius 1 and 4.
+    let mut text = icosphere_text(|_| false, 0);
+    let soup = samples::icosphere(6);
+    for [x, y, z] in &soup.positions {
+        text += &format!("v {} {} {}\n", 4.0 * x + 20.0, 4.0 * y, 4.0 * z);
+    }
+    for i in 0..soup.polygon_count() {
+        let [a, b, c] = [0, 1, 2].map(|k| soup.polygon(i)[k] + 1 + 362);
+        text += &format!("f {a} {b} {c}\n");
+    }
+    let mut session = Session::new();
+    session.open("two.obj", text.as_bytes());
+    session.handle(Command::SetUnit { id: "mm".into() });
+    let events = session.handle(Command::Repair { id: "keep_largest".into() });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    let boxes = events.iter().find_map(|event| match event {
+        Event::Size { boxes, .. } => Some(*boxes),
+        _ => None,
+    });
+    // An icosphere's vertices reach the poles along y.
+    assert!((boxes.unwrap()[1] - 8.0).abs() < 1e-9, "{boxes:?}");
+}
+
+#[test]
+fn only_the_parts_that_are_inside_out_are_turned() {
+    let text = icosphere_text(|_| false, 0) + &icosphere_text(|_| true, 1);
+    let d = document("two.obj", text.as_bytes()).unwrap();
+    let surface = d.surface.as_ref().unwrap();
+    for (f, (turned, given)) in surface.mesh.triangles().iter().zip(&d.triangles).enumerate() {
+        let is_same = turned.map(|v| v.0) == *given;
+        assert_eq!(is_same, f < 720, "face {f}");
+    }
+    let marked = cutflow::mesh::doctor::FindingKind::InsideOut;
+    assert_eq!(d.examination.find(marked).unwrap().count, 1);
+}
+
+#[test]
+fn faces_without_area_on_axis_aligned_lines_are_drawn() {
+    // A vertex in the middle of an edge, and two at one place: normals that do not exist.
+    let text = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 0 0\nv 1 -1 0\nv 2 2 0\nv 3 3 1\nv 0 3 1\n\
+        f 5 2 3\nf 5 3 4\nf 5 4 1\nf 1 2 5\nf 1 6 2\nf 4 3 7\nf 4 7 9\nf 7 8 9\n";
+    let mut session = Session::new();
+    let events = session.open("caps.obj", text.as_bytes());
+    assert!(errors(&events).is_empty() && session.info_report().unwrap().solvable);
+    for field in ["pieces", "u", "curvature", "area", "angle"] {
+        session.handle(Command::ShowField { id: field.into() });
+        assert_sound(&mut session, field);
+    }
+    assert!(errors(&session.handle(Command::Step)).is_empty());
+    assert_sound(&mut session, "after a step");
+}
+
+#[test]
+fn what_changes_nothing_says_so() {
+    let mut session = Session::new();
+    session.open("ball.obj", icosphere_text(|_| false, 0).as_bytes());
+    assert_eq!(errors(&session.handle(Command::RepairAll)).len(), 1);
+    let values = BTreeMap::from([("faces".to_owned(), 5000.0)]);
+    session.handle(Command::Prepare { tool: "decimate".into(), values });
+    let mut events = Vec::new();
+    while session.is_running() {
+        events.extend(session.advance(&mut || false));
+    }
+    assert_eq!(errors(&events).len(), 1);
+    let values = BTreeMap::from([("edge".to_owned(), 0.25), ("adaptivity".to_owned(), 1.0)]);
+    let mut large = Session::new();
+    large.handle(Command::OpenSample { name: "plush_bear".into() });
+    let events = large.handle(Command::Prepare { tool: "remesh".into(), values });
+    assert_eq!(errors(&events).len(), 1, "too many triangles are refused before they are made");
 }

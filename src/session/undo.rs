@@ -1,0 +1,70 @@
+//! The way back and forth: changes with the documents, parameters and cuts that they were made to.
+
+use std::rc::Rc;
+
+use super::Session;
+use super::document::Document;
+use super::message::Event;
+use super::text::Problem;
+use super::work::{Snapshot, Work, start_flow};
+
+/// Changes that Undo can take back.
+const DEPTH: usize = 40;
+
+/// Documents that Undo can go back to, the open one included.
+const DOCUMENTS: usize = 3;
+
+impl Session {
+    /// Keeps what is there now under the name of the change that comes.
+    pub(super) fn remember(&mut self, label: &str, kind: &str) {
+        let Some(work) = &self.work else { return };
+        self.redo.clear();
+        // Moving one slider is one change, unless steps were made meanwhile.
+        let is_same = |last: &Snapshot| {
+            last.kind == kind
+                && kind.starts_with("set ")
+                && last.history.len() == work.history.len()
+        };
+        if self.undo.last().is_some_and(is_same) {
+            return;
+        }
+        self.undo.push(work.snapshot(label, kind));
+        if self.undo.len() > DEPTH {
+            self.undo.remove(0);
+        }
+        // Documents are what takes memory.
+        let mut documents: Vec<*const Document> = vec![Rc::as_ptr(&work.document)];
+        let keeps = |snapshot: &Snapshot| {
+            let document = Rc::as_ptr(&snapshot.document);
+            if !documents.contains(&document) {
+                documents.push(document);
+            }
+            documents.len() <= DOCUMENTS
+        };
+        let kept = self.undo.iter().rev().map(keeps).take_while(|&keep| keep).count();
+        self.undo.drain(..self.undo.len() - kept);
+    }
+
+    /// Undo or redo.
+    pub(super) fn travel(&mut self, back: bool, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let (from, to) =
+            if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
+        let Some(target) = from.last() else { return Ok(()) };
+        let flow = match &target.checkpoint {
+            Some(checkpoint) => {
+                Some(start_flow(&target.document, &target.settings, Some(checkpoint))?)
+            }
+            None => None,
+        };
+        let Some(target) = from.pop() else { return Ok(()) };
+        if let Some(work) = &self.work {
+            to.push(work.snapshot(&target.label, &target.kind));
+        }
+        let mut work = Work::new(target.document, target.settings, flow);
+        work.history = target.history;
+        work.start = target.start;
+        work.first_cut_is_due = target.first_cut_is_due;
+        self.install(work, events);
+        Ok(())
+    }
+}
