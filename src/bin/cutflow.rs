@@ -80,7 +80,8 @@ struct PrepareArgs {
     /// What to do: `subdivide`, `refine`, `remesh` or `decimate`.
     #[arg(long)]
     tool: String,
-    /// Parameters of the tool as NAME=NUMBER.
+    /// Parameters of the tool as NAME=NUMBER: rounds (subdivide); tolerance in degrees (refine); edge in mean edges, crease in
+    /// degrees, adaptivity from 0 to 1 (remesh); faces, crease (decimate).
     #[arg(long = "set", value_name = "NAME=NUMBER", value_delimiter = ',')]
     values: Vec<String>,
     /// Where to write the new mesh.
@@ -228,7 +229,8 @@ fn tell_info(name: &str, info: &InfoReport, report: &Report) -> Result<(), Probl
         let genus = info.genus.map_or("no genus".to_owned(), |genus| format!("genus {genus}"));
         say!("  {} {components}, {shape}, {genus}", info.components);
         let [x, y, z] = info.size;
-        say!("  size {x:.6} × {y:.6} × {z:.6}, area {:.6} (unit of the file)", info.area);
+        let [x, y, z, area] = [x, y, z, info.area].map(short);
+        say!("  size {x} × {y} × {z}, area {area} (unit of the file)");
         for notice in &info.notices {
             say!("  note: {}", notice.text);
             if !notice.repairs.is_empty() {
@@ -240,6 +242,12 @@ fn tell_info(name: &str, info: &InfoReport, report: &Report) -> Result<(), Probl
         }
     }
     write_json(report, info)
+}
+
+/// A number in six digits, whatever its size.
+fn short(x: f64) -> String {
+    let is_plain = x.abs() <= 0.0 || (1e-3..1e7).contains(&x.abs());
+    if is_plain { format!("{x:.6}") } else { format!("{x:.5e}") }
 }
 
 fn repair(mesh: &MeshArgs, only: &[String], output: &Path, report: &Report) -> Result<(), Problem> {

@@ -27,6 +27,8 @@ pub fn report(document: &Document, shown: Option<&str>) -> DoctorReport {
     let warnings = findings.iter().filter(|f| f.severity == "warning").count();
     let headline = if !solvable {
         "Needs repair before it can be cut.".to_owned()
+    } else if !examination.recommended().is_empty() {
+        "Can be cut, but it has fallen into parts: repair it first.".to_owned()
     } else if warnings > 0 {
         format!("Can be cut; {} to look at.", plural(warnings, "thing"))
     } else {
@@ -168,7 +170,7 @@ fn sentence(finding: &Finding) -> String {
             )
         }
         FindingKind::Slivers => format!(
-            "{}, very thin; the smallest angle is {}. Methods solve on better triangles of the same surface.",
+            "{}, very thin; the smallest angle is {}. Cuts are computed on better triangles of the same surface, but flat pieces may fold there: “Remesh evenly” mends that.",
             some("sliver", "slivers"),
             degrees(worst)
         ),

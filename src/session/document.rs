@@ -38,6 +38,8 @@ pub struct Document {
     pub surface: Option<Surface>,
     /// Corners of the bounding box of the used vertices, in units of the file.
     pub bounds: [[f64; 3]; 2],
+    /// Millimetres of one unit, where the file says so in the words of our own exports.
+    pub mm_per_unit: Option<f64>,
     /// What was passed over in reading.
     pub reading: Vec<NoticeText>,
     /// What was found.
@@ -65,7 +67,9 @@ impl Document {
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, Problem> {
         let content = read::read(name, bytes).map_err(|error| Problem::read(name, &error))?;
         let reading = content.notices.iter().map(notice).collect();
-        Self::from_soup(name, content.format.name(), content.soup, reading)
+        let mut document = Self::from_soup(name, content.format.name(), content.soup, reading)?;
+        document.mm_per_unit = stated_size(bytes);
+        Ok(document)
     }
 
     /// The same document after its polygons were repaired or divided anew.
@@ -73,6 +77,7 @@ impl Document {
         // What was passed over in reading stays true of the file; the lines of its faces are of no use any more.
         let mut document = Self::from_soup(&self.name, self.format, soup, self.reading.clone())?;
         document.sample.clone_from(&self.sample);
+        document.mm_per_unit = self.mm_per_unit;
         Ok(document)
     }
 
@@ -131,6 +136,7 @@ impl Document {
             examination,
             surface,
             bounds,
+            mm_per_unit: None,
             reading,
             summary,
         })
@@ -140,7 +146,11 @@ impl Document {
     pub fn repaired(&self) -> Result<Self, Problem> {
         let (soup, done) = doctor::repair_all(&self.soup);
         // A healthy mesh is not made anew.
-        if done.is_empty() { Ok(self.clone()) } else { self.with_soup(soup) }
+        if done.is_empty() {
+            return Ok(self.clone());
+        }
+        let has_welded = done.iter().any(|(repair, _)| matches!(repair, Repair::Weld { .. }));
+        self.with_soup(if has_welded { without_orphans(&self.soup, soup) } else { soup })
     }
 
     /// The same document after one repair, and what Undo calls it.
@@ -149,7 +159,7 @@ impl Document {
             return Err(Problem::new(
                 format!("There is no repair called “{id}”."),
                 "In the choice of a repair.",
-                "Choose one that a finding offers.",
+                format!("Choose one of {}.", self.offered_repairs()),
             ));
         };
         let name = super::doctor::repair_name(&repair);
@@ -161,7 +171,22 @@ impl Document {
                 "Choose another repair.",
             ));
         }
+        let drops_parts = matches!(
+            repair,
+            Repair::Weld { .. }
+                | Repair::KeepLargest
+                | Repair::KeepComponent { .. }
+                | Repair::DropSmallComponents
+        );
+        let soup = if drops_parts { without_orphans(&self.soup, soup) } else { soup };
         Ok((self.with_soup(soup)?, name))
+    }
+
+    /// Identifiers of the repairs that the findings offer.
+    fn offered_repairs(&self) -> String {
+        let offered = self.examination.findings.iter().flat_map(|f| &f.repairs);
+        let list: Vec<String> = offered.map(Repair::id).collect();
+        if list.is_empty() { "none: nothing is wrong".into() } else { list.join(", ") }
     }
 
     /// What methods work on, or why they cannot.
@@ -189,6 +214,35 @@ pub(super) fn inward_polygons(examination: &Examination) -> Vec<bool> {
         is_inward[components[face as usize] as usize] = true;
     }
     components.iter().map(|&c| is_inward.get(c as usize) == Some(&true)).collect()
+}
+
+/// The size that our own exports note among the first lines of an OBJ file.
+fn stated_size(bytes: &[u8]) -> Option<f64> {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]);
+    let mut lines = head.lines().filter_map(|line| line.strip_prefix("# real size: 1 unit = "));
+    let mm: f64 = lines.next()?.strip_suffix(" mm")?.parse().ok()?;
+    (mm > 0.0 && mm.is_finite()).then_some(mm)
+}
+
+/// Takes out the vertices that a repair has made useless; those that nothing used before stay.
+fn without_orphans(before: &Soup, after: Soup) -> Soup {
+    let uses = |soup: &Soup| {
+        let mut is_used = vec![false; after.positions.len().max(soup.positions.len())];
+        soup.corners.iter().for_each(|&v| is_used[v as usize] = true);
+        is_used
+    };
+    let (old, new) = (uses(before), uses(&after));
+    let stays = |v: usize| new[v] || (v < before.positions.len() && !old[v]);
+    let mut numbers = Vec::with_capacity(after.positions.len());
+    let mut count = 0;
+    for v in 0..after.positions.len() {
+        numbers.push(count);
+        count += u32::from(stays(v));
+    }
+    let kept = after.positions.iter().enumerate().filter(|&(v, _)| stays(v));
+    let positions = kept.map(|(_, &p)| p).collect();
+    let corners = after.corners.iter().map(|&v| numbers[v as usize]).collect();
+    Soup { positions, corners, ..after }
 }
 
 /// Refuses polygons that would take forever to divide: the time grows with the square of their corners.

@@ -179,6 +179,8 @@ pub enum Event {
         boxes: [f64; 3],
         /// The same in units of the file.
         file: [f64; 3],
+        /// Whether nobody has said how large it is.
+        is_assumed: bool,
     },
     /// How far a preparation has come.
     Progress {

@@ -116,7 +116,10 @@ impl Session {
             Command::ShowFinding { id } => self.show_finding(id, &mut events),
             Command::Repair { id } => self.repair(Some(&id), &mut events),
             Command::RepairAll => self.repair(None, &mut events),
-            Command::SetUnit { id } => self.set_parameter("unit", Value::Text(id), &mut events),
+            Command::SetUnit { id } => {
+                let id = if id == "inch" { "in".into() } else { id };
+                self.set_parameter("unit", Value::Text(id), &mut events)
+            }
             Command::SetSize { axis, value } => self.set_side(axis, value, &mut events),
             Command::Prepare { tool, values } => self.prepare(&tool, &values, &mut events),
         };

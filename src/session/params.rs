@@ -194,8 +194,21 @@ impl Settings {
                 ("hencky", Value::Number(0.0)),
                 ("size", Value::Number(67.0)),
             ],
+            // Open sheets whose normals differ too little for clusters: a seam across.
+            Some("car_hood") => {
+                &[("axis", Value::Text("x".into())), ("size", Value::Number(1400.0))]
+            }
+            Some("sinusoidal_sheet") => &[("axis", Value::Text("x".into()))],
             _ => &[],
         };
+        let size = match sample {
+            Some("tennis_ball") => 67.0,
+            Some("volleyball") => 210.0,
+            Some("armchair") => 900.0,
+            Some("plush_bear") => 350.0,
+            _ => settings.number("size"),
+        };
+        settings.put("size", Value::Number(size));
         if !two_regions.is_empty() {
             settings.values.insert("init", Value::Text("plane".into()));
             settings.values.insert("axis", Value::Text("y".into()));

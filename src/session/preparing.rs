@@ -13,6 +13,7 @@ use super::message::{Event, NoticeText, ToolParam, ToolSpec};
 use super::text::Problem;
 use super::{Session, nothing_open, size};
 use crate::mesh::Soup;
+use crate::mesh::doctor::FindingKind;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 use crate::methods::prepare::{
     DecimateFlow, DecimateParams, EdgeTarget, Prepared, RemeshFlow, RemeshParams, SubdivideFlow,
@@ -268,7 +269,7 @@ pub fn tools(document: &Document) -> Vec<ToolSpec> {
                         number("adaptivity", "Finer where curved", "", [0.0, 1.0, 0.1], 0.0,
                             "0: the same length everywhere. 1: edges as long as the curvature allows."),
                     ],
-                    surface.solving.as_ref().map(|_| {
+                    document.examination.find(FindingKind::Slivers).map(|_| {
                         "Some triangles are slivers; even ones give more reliable cuts.".to_owned()
                     }),
                 ),

@@ -29,6 +29,11 @@ fn millimetres(unit: &str) -> Option<f64> {
 /// STL, which means it, where the result is of a size that things have.
 pub fn settings_for(document: &Document) -> Settings {
     let mut settings = Settings::for_sample(document.sample.as_deref());
+    if let Some(mm) = document.mm_per_unit {
+        let size = mm * document.largest_side();
+        settings.put("size", Value::Number(size.clamp(RANGE_MM[0], RANGE_MM[1])));
+        return settings;
+    }
     let unit = match document.format {
         "glTF" => "m",
         "STL" => "mm",
@@ -54,6 +59,7 @@ pub fn stated(document: &Document, settings: &Settings) -> Option<f64> {
     let first = Settings::for_sample(None).number("size");
     let is_stated = settings.text("unit") != "none"
         || document.sample.is_some()
+        || document.mm_per_unit.is_some()
         || (settings.number("size") - first).abs() > 0.0;
     is_stated.then(|| mm_per_file_unit(document, settings))
 }
@@ -123,5 +129,6 @@ pub fn event(document: &Document, settings: &Settings) -> Event {
         display_unit: display.to_owned(),
         boxes: file.map(|x| x * scale),
         file,
+        is_assumed: stated(document, settings).is_none(),
     }
 }

@@ -228,7 +228,8 @@ fn repairs_leave_the_surfaces_that_were_meant() {
     }
     let d = document("jittered.stl", &std::fs::read(folder.join("jittered.stl")).unwrap()).unwrap();
     let welded = d.repaired().unwrap().summary;
-    assert_eq!((welded.faces, welded.components, welded.boundary_loops), (320, 1, 0));
+    assert_eq!((welded.vertices, welded.faces), (162, 320));
+    assert_eq!((welded.components, welded.boundary_loops), (1, 0));
 }
 
 #[test]
@@ -532,6 +533,16 @@ fn dropping_parts_keeps_the_real_size_of_the_others() {
     });
     // An icosphere's vertices reach the poles along y.
     assert!((boxes.unwrap()[1] - 8.0).abs() < 1e-9, "{boxes:?}");
+    // What was dropped leaves no vertices behind, and what is written opens at the same size.
+    assert_eq!(session.info_report().unwrap().vertices, 362);
+    session.handle(Command::SetSize { axis: 1, value: 20.0 });
+    let written = session.export("Mesh (OBJ)").unwrap().bytes;
+    let events = Session::new().open("again.obj", &written);
+    let boxes = events.iter().find_map(|event| match event {
+        Event::Size { boxes, is_assumed, .. } => (!is_assumed).then_some(*boxes),
+        _ => None,
+    });
+    assert!((boxes.unwrap()[1] - 20.0).abs() < 1e-9, "{boxes:?}");
 }
 
 #[test]
