@@ -21,8 +21,7 @@ const MARKS: usize = 20_000;
 /// The report of a document.
 pub fn report(document: &Document, shown: Option<&str>) -> DoctorReport {
     let examination = &document.examination;
-    let findings: Vec<FindingText> =
-        sorted(examination).into_iter().map(|finding| finding_text(finding)).collect();
+    let findings: Vec<FindingText> = sorted(examination).into_iter().map(finding_text).collect();
     let solvable = document.surface.is_some();
     let warnings = findings.iter().filter(|f| f.severity == "warning").count();
     let headline = if !solvable {
@@ -98,8 +97,8 @@ fn sorted(examination: &Examination) -> Vec<&Finding> {
 
 /// Whether a finding names places. The first face of a component says nothing about where its defect is.
 fn can_show(finding: &Finding) -> bool {
-    !matches!(finding.kind, FindingKind::Components | FindingKind::HugeRatio)
-        && !(finding.faces.is_empty() && finding.edges.is_empty() && finding.vertices.is_empty())
+    let places = finding.faces.len() + finding.edges.len() + finding.vertices.len();
+    places > 0 && !matches!(finding.kind, FindingKind::Components | FindingKind::HugeRatio)
 }
 
 fn finding_text(finding: &Finding) -> FindingText {

@@ -81,6 +81,12 @@ fn step_time(flow: &mut CutFlow, steps: usize) -> f64 {
     total / (flow.steps() - before) as f64
 }
 
+/// In the precision of binary files.
+#[expect(clippy::cast_possible_truncation, reason = "what PLY and STL hold")]
+fn single(x: f64) -> [u8; 4] {
+    (x as f32).to_le_bytes()
+}
+
 /// Reading of a sphere of half a million triangles in three formats, detection included.
 fn import_speeds() -> Vec<Row> {
     let soup = samples::icosphere(160);
@@ -96,7 +102,7 @@ fn import_speeds() -> Vec<Row> {
     );
     for [x, y, z] in &soup.positions {
         obj += &format!("v {x:.9} {y:.9} {z:.9}\n");
-        ply.extend([x, y, z].iter().flat_map(|&&c| (c as f32).to_le_bytes()));
+        ply.extend([x, y, z].iter().flat_map(|&&c| single(c)));
     }
     stl.extend(u32::try_from(soup.polygon_count()).expect("half a million").to_le_bytes());
     for i in 0..soup.polygon_count() {
@@ -106,7 +112,7 @@ fn import_speeds() -> Vec<Row> {
         ply.extend(corners.iter().flat_map(|v| v.to_le_bytes()));
         stl.extend([0; 12]);
         let places = corners.iter().flat_map(|&v| soup.positions[v as usize]);
-        stl.extend(places.flat_map(|c| (c as f32).to_le_bytes()));
+        stl.extend(places.flat_map(single));
         stl.extend([0; 2]);
     }
     [("OBJ", obj.into_bytes(), 15.0), ("binary PLY", ply, 25.0), ("binary STL", stl, 25.0)]
