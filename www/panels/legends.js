@@ -41,8 +41,11 @@ function fieldLegend(field) {
 
 const line = (strong, text) => [h("div", {}, h("b", {}, strong), " ", text)];
 
+// A mesh that is not cut yet has no pieces to tell of.
+const isUncut = (patches) => patches.every((patch) => patch.area_fraction === 0);
+
 function surfaceSummary({ patches }) {
-  if (patches.length === 0) return [];
+  if (isUncut(patches)) return [];
   const shares = patches.map((patch) => patch.area_fraction);
   const [least, most] = [Math.min(...shares), Math.max(...shares)].map(percent);
   if (patches.length === 1) return line("1 piece", "the whole surface");
@@ -51,7 +54,7 @@ function surfaceSummary({ patches }) {
 }
 
 function flatSummary({ patches }, pattern) {
-  if (patches.length === 0) return [];
+  if (isUncut(patches)) return [];
   const waiting = patches.filter((patch) => !patch.has_chart).length;
   const flipped = patches.reduce((sum, patch) => sum + patch.flipped, 0);
   const state = [

@@ -9,8 +9,9 @@ import { count, plural } from "../format.js";
  */
 export function health({ solvable, findings }) {
   if (!solvable) return { id: "blocked", icon: "block", text: "needs repair" };
-  if (findings.every(({ severity }) => severity === "note")) return { id: "healthy", icon: "check", text: "healthy" };
-  return { id: "findings", icon: "alert", text: plural(findings.length, "finding") };
+  const grave = findings.filter(({ severity }) => severity !== "note").length;
+  if (grave === 0) return { id: "healthy", icon: "check", text: "healthy" };
+  return { id: "findings", icon: "alert", text: plural(grave, "finding") };
 }
 
 /** The state with its icon, in a colour that only repeats what the icon says. */

@@ -28,7 +28,7 @@ export function sizePanel(on) {
   const unitRow = h(
     "label",
     { class: "row", title: "What one unit of the file is" },
-    h("span", {}, "Unit"),
+    h("span", {}, "Unit of the file"),
     h("span", { class: "pick" }, unit, icon("down")),
   );
   const problem = h("p", { class: "problem", "aria-live": "polite" });
@@ -114,7 +114,10 @@ export function sizePanel(on) {
       unit.value = event.unit;
       problem.textContent = "";
       for (const side of sides) side.show();
-      file.textContent = `In the file ${event.file.map(length).join(" × ")}. Proportions are kept.`;
+      const given = event.file.map(length).join(" × ");
+      file.textContent = event.is_assumed
+        ? `In the file ${given}, without a unit: this size is assumed. Give a side or a unit.`
+        : `In the file ${given}. Proportions are kept.`;
       node.hidden = false;
     },
     hide() {
