@@ -26,7 +26,7 @@ const FIRST_SAMPLE = "ball";
 /** Why what needs a cut cannot be had. */
 const BLOCKED = "Repair the mesh first: see Mesh, at the top of the parameters";
 /** How long a preparation is given to stop by itself. */
-const GRACE_MS = 3000;
+const GRACE_MS = 20_000;
 const root = document.documentElement;
 const asked = readAddress();
 
@@ -49,7 +49,6 @@ const now = {
 const say = toast();
 const wait = waitStrip();
 const error = errorPanel(async () => {
-  delete root.dataset.rejected;
   await client.command({ type: "dismiss_error" });
   status.recover();
 });
@@ -116,7 +115,6 @@ const handlers = {
     plot.clear();
     status.clear();
     error.hideRefusal();
-    delete root.dataset.rejected;
     for (const id of ["export", "share"]) byId(id).disabled = false;
     allow();
   },
@@ -174,7 +172,6 @@ const handlers = {
     }
   },
   error(event) {
-    root.toggleAttribute("data-rejected", Boolean(event.shows_rejected_mesh));
     showSamples();
     error.show(event, true);
   },
@@ -331,7 +328,6 @@ async function openFile(file, left) {
       what: `${file.name} cannot be read.`,
       where: String(reason?.message ?? reason),
       what_to_do: "Check that it is a file, that it still exists and that you may read it, then open it again.",
-      shows_rejected_mesh: false,
     };
     handlers.error(event);
     status.show({ state: "error", step: 0, text: `Error: ${event.what}` });

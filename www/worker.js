@@ -65,7 +65,7 @@ function refusable(work) {
   } catch (error) {
     if (typeof error?.what !== "string") throw error;
     const { what, where, what_to_do } = error;
-    return { events: [{ type: "error", what, where, what_to_do, shows_rejected_mesh: false }] };
+    return { events: [{ type: "error", what, where, what_to_do }] };
   }
 }
 

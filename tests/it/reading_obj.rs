@@ -330,3 +330,16 @@ pub fn good_files() -> Vec<Vec<u8>> {
     let small = after_three_vertices("vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3/-1\nl 1 2\nf -1 -2 -3\r\n");
     vec![sphere.into_bytes(), full.into_bytes(), small.into_bytes()]
 }
+
+#[test]
+fn long_names_that_alternate_take_no_longer_than_their_letters() {
+    // Comparing whole names at each change would read 20 000 × 1 MB.
+    let name = "n".repeat(1_000_000);
+    let mut text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\ng {name}\n");
+    for _ in 0..20_000 {
+        text += "o x\nf 1 2 3\ng\nf 1 2 3\n";
+    }
+    let soup = obj::read(text.as_bytes()).unwrap().soup;
+    assert_eq!(soup.polygon_count(), 40_000);
+    assert!(soup.groups.iter().all(|group| group.len() <= 256));
+}

@@ -228,7 +228,8 @@ impl Repair {
             }
             "weld" => {
                 let tolerance: f64 = value?.parse().ok()?;
-                let is_part = (0.0..1.0).contains(&tolerance);
+                // Smaller tolerances than the rounding of coordinates are none.
+                let is_part = tolerance.abs() <= 0.0 || (1e-12..1.0).contains(&tolerance);
                 return is_part.then_some(Self::Weld { tolerance });
             }
             _ => return None,

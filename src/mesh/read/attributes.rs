@@ -64,6 +64,9 @@ pub(super) fn broken<const N: usize>() -> [f64; N] {
     [f64::NAN; N]
 }
 
+/// Longest part of a name that counts, bytes: comparing names must not take longer than reading them.
+const LONGEST_NAME: usize = 256;
+
 /// Names in order of first use.
 #[derive(Default)]
 pub(super) struct Names<'a> {
@@ -85,8 +88,9 @@ impl<'a> Names<'a> {
         {
             return i;
         }
-        let i = *self.numbers.entry(name).or_insert_with(|| {
-            self.names.push(number::name(name));
+        let short = &name[..name.len().min(LONGEST_NAME)];
+        let i = *self.numbers.entry(short).or_insert_with(|| {
+            self.names.push(number::name(short));
             to_u32(self.names.len() - 1)
         });
         self.last = Some((name, i));
