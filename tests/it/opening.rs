@@ -510,6 +510,11 @@ fn a_large_mesh_is_shown_before_its_first_cut() {
     assert!(errors(&hasty.handle(Command::Step)).is_empty() && !hasty.history().is_empty());
 }
 
+/// Sides of the box around [`icosphere_text`].
+fn size_of_ball() -> [f64; 3] {
+    document("ball.obj", icosphere_text(|_| false, 0).as_bytes()).unwrap().size()
+}
+
 #[test]
 fn dropping_parts_keeps_the_real_size_of_the_others() {
     // Balls of radius 1 and 4.
@@ -525,6 +530,12 @@ fn dropping_parts_keeps_the_real_size_of_the_others() {
     let mut session = Session::new();
     session.open("two.obj", text.as_bytes());
     session.handle(Command::SetUnit { id: "mm".into() });
+    // Either part can be kept alone, the larger one is offered first.
+    let offered = |session: &Session| session.info_report().unwrap().notices[0].repairs.clone();
+    assert_eq!(offered(&session), ["keep_largest", "keep_component:1", "keep_component:0"]);
+    session.handle(Command::Repair { id: "keep_component:0".into() });
+    assert_eq!(session.info_report().unwrap().size, size_of_ball());
+    session.handle(Command::Undo);
     let events = session.handle(Command::Repair { id: "keep_largest".into() });
     assert!(errors(&events).is_empty(), "{:?}", errors(&events));
     let boxes = events.iter().find_map(|event| match event {

@@ -26,6 +26,11 @@ const HUGE_RATIO: f64 = 1e5;
 /// Distance from the origin over size above which single precision would lose more than half of its digits.
 const FAR: f64 = 1e4;
 
+/// Components that are offered to be kept alone, the largest first: a list of more is no help.
+const OFFERED: usize = 8;
+/// Edges of a hole that is small: one that a scanner missed, not one that was meant.
+const SMALL_HOLE: u32 = 30;
+
 /// One component, numbered by its first polygon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
@@ -135,6 +140,10 @@ pub fn examine(soup: &Soup) -> Examination {
         finding
             .repairs
             .extend(components.iter().any(is_small).then_some(Repair::DropSmallComponents));
+        let mut largest: Vec<usize> = (0..components.len()).collect();
+        largest.sort_by(|&a, &b| components[b].area.total_cmp(&components[a].area).then(a.cmp(&b)));
+        let one = |&c: &usize| Repair::KeepComponent { component: c as u32 };
+        finding.repairs.extend(largest.iter().take(OFFERED).map(one));
         findings.push(finding);
     }
     let extent = clean.surface.extent;
@@ -279,6 +288,11 @@ fn topology(clean: &Clean, shape: &Shape, findings: &mut Vec<Finding>) {
         let mut finding =
             Finding::new(FindingKind::BoundaryLoops, Severity::Note, shape.loops.len());
         finding.edges = names(&shape.boundary);
+        let is_small = |edges: usize| edges <= SMALL_HOLE as usize;
+        let small = shape.loops.iter().filter(|l| is_small(l.vertices.len())).count();
+        if small > 0 && small < shape.loops.len() {
+            finding.repairs.push(Repair::FillHoles { max_edges: Some(SMALL_HOLE) });
+        }
         finding.repairs.push(Repair::FillHoles { max_edges: None });
         findings.push(finding);
     }
