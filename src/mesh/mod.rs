@@ -18,4 +18,4 @@ pub use chains::chains;
 pub use cut_mesh::{CutMesh, OpenedMesh, SurfacePoint};
 pub use halfedge::{EdgeId, FaceId, HalfedgeId, Mesh, MeshError, Topology, VertexId};
 pub use soup::Soup;
-pub use weld::{Welder, weld_exact};
+pub use weld::Welder;

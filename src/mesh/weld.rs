@@ -15,9 +15,9 @@ const FREE: u32 = u32::MAX;
 /// two; a smaller limit would leave it for ordinary meshes, a larger one only lets crafted coordinates waste time.
 const PROBES: u64 = 24;
 
-/// Welds corners one by one: [`weld_exact`] for corners that need not be held.
+/// Makes one vertex of all corners with equal coordinates, one by one: places in order of first appearance.
 ///
-/// An open hash table over the bits of the coordinates, grown as places are found. Coordinates crafted so that all of
+/// **Costs** expected linear time; a table of at most 16 bytes per place beside the result. It is an open hash table over the bits of the coordinates, grown as places are found. Coordinates crafted so that all of
 /// them want the same slot are noticed by the number of slots looked at; the table then gives way to a search tree.
 #[derive(Debug, Default)]
 pub struct Welder {
@@ -72,11 +72,6 @@ impl Welder {
         vertex
     }
 
-    /// The places so far, by number.
-    pub fn places(&self) -> &[[f64; 3]] {
-        &self.places
-    }
-
     /// The places, by number.
     pub fn into_places(self) -> Vec<[f64; 3]> {
         self.places
@@ -96,16 +91,6 @@ impl Welder {
             self.slots[slot] = vertex;
         }
     }
-}
-
-/// Makes one vertex of all corners with equal coordinates.
-///
-/// **Gives** the different places in order of first appearance, and for each corner the number of its place.
-/// **Costs** expected linear time; a table of at most 16 bytes per place beside the result.
-pub fn weld_exact(positions: &[[f64; 3]]) -> (Vec<[f64; 3]>, Vec<u32>) {
-    let mut welder = Welder::default();
-    let corners = positions.iter().map(|&position| welder.add(position)).collect();
-    (welder.into_places(), corners)
 }
 
 /// Mixes all bits of the coordinates into the lower bits of the result: coordinates on a grid differ in a few upper bits
@@ -137,8 +122,9 @@ mod tests {
         let hashes: Vec<_> = corners.iter().map(|c| hash(c.map(f64::to_bits))).collect();
         assert!(corners.len() > 100_000 && hashes.iter().all(|h| *h == hashes[0]));
         let twice: Vec<_> = corners.iter().chain(&corners).copied().collect();
-        let (places, numbers) = weld_exact(&twice);
-        assert_eq!(places, corners);
+        let mut welder = Welder::default();
+        let numbers: Vec<_> = twice.iter().map(|&corner| welder.add(corner)).collect();
+        assert_eq!(welder.into_places(), corners);
         assert!(numbers.iter().zip((0..).take(corners.len()).cycle()).all(|(a, b)| *a == b));
     }
 }

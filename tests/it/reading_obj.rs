@@ -302,6 +302,9 @@ fn a_long_or_unprintable_name_is_shortened() {
     let text = format!("g {}\nf 1 2 3\ng a\u{7}b\nf 1 2 3\n", "x".repeat(10_000));
     let (soup, _) = read(&after_three_vertices(&text));
     assert_eq!(soup.groups, ["x".repeat(120) + "…", "a\u{fffd}b".to_owned()]);
+    // Three bytes for each letter.
+    let (soup, _) = read(&after_three_vertices(&format!("g {}\nf 1 2 3\n", "頭".repeat(200))));
+    assert_eq!(soup.groups, ["頭".repeat(120) + "…"]);
 }
 
 #[test]
@@ -333,11 +336,11 @@ pub fn good_files() -> Vec<Vec<u8>> {
 
 #[test]
 fn long_names_that_alternate_take_no_longer_than_their_letters() {
-    // Comparing whole names at each change would read 20 000 × 1 MB.
-    let name = "n".repeat(1_000_000);
-    let mut text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\ng {name}\n");
+    // A group without a name returns to the object: comparing whole names would read 20 000 × 4 MB.
+    let name = "n".repeat(4_000_000);
+    let mut text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\no {name}\n");
     for _ in 0..20_000 {
-        text += "o x\nf 1 2 3\ng\nf 1 2 3\n";
+        text += "g x\nf 1 2 3\ng\nf 1 2 3\n";
     }
     let soup = obj::read(text.as_bytes()).unwrap().soup;
     assert_eq!(soup.polygon_count(), 40_000);

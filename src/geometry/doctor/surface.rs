@@ -4,12 +4,9 @@
 
 use nalgebra::Vector3;
 
+use crate::geometry::FLAT;
 use crate::geometry::polygon::triangulate;
 use crate::mesh::Soup;
-
-/// Height of a triangle over its longest side, in lengths of it, below which it counts as without area:
-/// [`crate::geometry::Geometry::new`] draws the line there too.
-const FLAT: f64 = 1e-12;
 
 /// The triangles of a soup, with points that can be squared whatever the unit of the file is.
 pub(super) struct Surface {

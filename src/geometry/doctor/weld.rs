@@ -17,6 +17,10 @@ use super::surface::Surface;
 use crate::mesh::Soup;
 use crate::mesh::doctor::{Sides, drop_repeated};
 
+/// The least tolerance that is looked for, in parts of the diagonal: places are compared in the box of the surface, where
+/// they are rounded to 10⁻¹⁶ of it. Cells of less would crowd as many places as one likes into one, or have no number.
+const LEAST: f64 = 1e-15;
+
 /// What a weld would do.
 pub(super) struct Weld {
     /// Vertices and what each becomes, another vertex with a smaller number; in increasing order.
@@ -29,7 +33,7 @@ pub(super) struct Weld {
 
 /// Finds the boundary vertices whose merging closes edges.
 ///
-/// **Takes** a tolerance in parts of the diagonal of the bounding box. Each vertex joins the first one before it within
+/// **Takes** a tolerance in parts of the diagonal of the bounding box; below [`LEAST`] only what is equal is near. Each vertex joins the first one before it within
 /// the tolerance that did not itself join another: places do not chain up.
 pub(super) fn plan(soup: &Soup, sides: &Sides, surface: &Surface, tolerance: f64) -> Weld {
     let boundary: Vec<[u32; 2]> = (0..sides.edges.len())
@@ -41,7 +45,7 @@ pub(super) fn plan(soup: &Soup, sides: &Sides, surface: &Surface, tolerance: f64
     vertices.dedup();
     // What is equal is near: only one vertex of each place needs a search.
     let mut firsts = equal(&vertices, soup);
-    if tolerance > 0.0 && surface.extent > 0.0 {
+    if tolerance >= LEAST && surface.extent > 0.0 {
         let mut places = firsts.clone();
         places.sort_unstable();
         places.dedup();

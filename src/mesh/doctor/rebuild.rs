@@ -53,20 +53,10 @@ impl<'a> Rebuild<'a> {
         Self { source, result }
     }
 
-    /// The soup that is copied.
-    pub fn source(&self) -> &'a Soup {
-        self.source
-    }
-
     /// Appends a vertex.
     pub fn add_vertex(&mut self, position: [f64; 3]) -> u32 {
         self.result.positions.push(position);
         (self.result.positions.len() - 1) as u32
-    }
-
-    /// Where a vertex lies.
-    pub fn position(&self, vertex: u32) -> [f64; 3] {
-        self.result.positions[vertex as usize]
     }
 
     /// A corner at a vertex between two corners of a polygon, `t` of the way from `a` to `b`: texture coordinates between

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{number, to_u32};
+use super::{Place, ReadNotice, note, number, to_u32};
 use crate::mesh::Soup;
 
 /// "None", in all index arrays of a soup.
@@ -59,9 +59,18 @@ pub(super) fn settle<const N: usize>(
     first.map(|(corner, i)| (corner, i, count))
 }
 
-/// What marks numbers that are not finite until [`settle`].
-pub(super) fn broken<const N: usize>() -> [f64; N] {
-    [f64::NAN; N]
+/// Numbers that are all finite; otherwise what marks them until [`settle`], and a notice about this `noun`.
+pub(super) fn or_broken<const N: usize>(
+    value: Option<[f64; N]>,
+    notice: &mut Option<ReadNotice>,
+    kind: &'static str,
+    noun: &str,
+    place: Place,
+) -> [f64; N] {
+    value.unwrap_or_else(|| {
+        note(notice, kind, place, || format!("{noun} is not a number, ignored"));
+        [f64::NAN; N]
+    })
 }
 
 /// Longest part of a name that counts, bytes: comparing names must not take longer than reading them.
@@ -90,7 +99,7 @@ impl<'a> Names<'a> {
         }
         let short = &name[..name.len().min(LONGEST_NAME)];
         let i = *self.numbers.entry(short).or_insert_with(|| {
-            self.names.push(number::name(short));
+            self.names.push(number::name(name));
             to_u32(self.names.len() - 1)
         });
         self.last = Some((name, i));

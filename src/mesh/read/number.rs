@@ -6,7 +6,7 @@
 use super::ReadFault;
 
 /// Coordinates beyond this become infinite on the way to the graphics card.
-const LARGEST: f64 = f32::MAX as f64;
+pub(super) const LARGEST: f64 = f32::MAX as f64;
 
 /// The powers of ten that are doubles.
 const POWERS_OF_TEN: [f64; 23] = [
@@ -90,6 +90,17 @@ pub(super) fn coordinate(word: &[u8]) -> Result<f64, ReadFault> {
         }
         None => Err(ReadFault::NotANumber { text: quote(word) }),
     }
+}
+
+/// The next words as coordinates, if there are so many and all are such.
+pub(super) fn numbers<'a, const N: usize>(
+    mut words: impl Iterator<Item = &'a [u8]>,
+) -> Option<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for x in &mut numbers {
+        *x = coordinate(words.next()?).ok()?;
+    }
+    Some(numbers)
 }
 
 /// A coordinate of a binary file.

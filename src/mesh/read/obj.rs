@@ -6,12 +6,12 @@
 //! Not guaranteed: that bytes of another format are refused; [`super::read`] finds out what a file is. Material files,
 //! lines, points and free-form curves are skipped.
 
-use super::attributes::{self, NONE, Names};
-use super::number::{coordinate, quote};
-use super::words::{Words, is_blank};
+use super::attributes::{self, NONE, Names, or_broken};
+use super::number::{coordinate, numbers, quote};
+use super::words::{Words, is_blank, without_comment};
 use super::{
-    Content, Format, Place, ReadError, ReadFault, ReadNotice, check_length, note,
-    note_incomplete_face, to_u32,
+    Content, Format, Place, ReadError, ReadFault, ReadNotice, check_length, note_incomplete_face,
+    to_u32,
 };
 use crate::mesh::Soup;
 
@@ -44,17 +44,17 @@ pub fn read(bytes: &[u8]) -> Result<Content, ReadError> {
             // `fo` is the face of the format's first version.
             Some(b"f" | b"F" | b"fo" | b"FO") => reader.face(&mut words, line)?,
             Some(b"g" | b"G") => {
-                reader.group = match words.rest_of_line() {
+                reader.group = match without_comment(words.rest_of_line()) {
                     b"" | b"default" => reader.object,
                     name => name,
                 };
             }
             Some(b"o" | b"O") => {
-                reader.object = words.rest_of_line();
+                reader.object = without_comment(words.rest_of_line());
                 reader.group = reader.object;
             }
             Some(word) if word.eq_ignore_ascii_case(b"usemtl") => {
-                reader.material = words.rest_of_line();
+                reader.material = without_comment(words.rest_of_line());
             }
             Some(b"l" | b"L" | b"p" | b"P") => reader.lines_and_points += 1,
             _ => {}
@@ -142,36 +142,23 @@ impl<'a> Reader<'a> {
         // One coordinate is allowed: a texture of one dimension.
         let u = words.next().and_then(|word| coordinate(word).ok());
         let v = words.next().map_or(Some(0.0), |word| coordinate(word).ok());
-        let uv = match (u, v) {
-            (Some(u), Some(v)) => [u, v],
-            _ => {
-                note(&mut self.texture_not_finite, "texture_not_finite", Place::Line(line), || {
-                    "vt is not a number, ignored".to_owned()
-                });
-                attributes::broken()
-            }
-        };
-        self.soup.texture_coordinates.push(uv);
+        self.soup.texture_coordinates.push(or_broken(
+            u.zip(v).map(|(u, v)| [u, v]),
+            &mut self.texture_not_finite,
+            "texture_not_finite",
+            "vt",
+            Place::Line(line),
+        ));
     }
 
     fn normal(&mut self, words: &mut Words<'_>, line: u32) {
-        let mut normal = [0.0; 3];
-        for x in &mut normal {
-            match words.next().and_then(|word| coordinate(word).ok()) {
-                Some(value) => *x = value,
-                None => {
-                    note(
-                        &mut self.normal_not_finite,
-                        "normal_not_finite",
-                        Place::Line(line),
-                        || "vn is not a number, ignored".to_owned(),
-                    );
-                    normal = attributes::broken();
-                    break;
-                }
-            }
-        }
-        self.soup.normals.push(normal);
+        self.soup.normals.push(or_broken(
+            numbers(std::iter::from_fn(|| words.next())),
+            &mut self.normal_not_finite,
+            "normal_not_finite",
+            "vn",
+            Place::Line(line),
+        ));
     }
 
     fn face(&mut self, words: &mut Words<'_>, line: u32) -> Result<(), ReadError> {

@@ -3,12 +3,12 @@
 //! Guaranteed, besides what [`super`] guarantees: the line that each polygon stands on; normals and texture coordinates of
 //! the vertices, as those of their corners. Not guaranteed: anything of colours, which are skipped.
 
-use super::attributes;
-use super::number::{coordinate, quote, whole};
+use super::attributes::{self, or_broken};
+use super::number::{coordinate, numbers, quote, whole};
 use super::words::Words;
 use super::{
-    Content, Format, Place, ReadError, ReadFault, ReadNotice, check_length, note,
-    note_incomplete_face, to_u32,
+    Content, Format, Place, ReadError, ReadFault, ReadNotice, check_length, note_incomplete_face,
+    to_u32,
 };
 use crate::mesh::Soup;
 
@@ -126,6 +126,7 @@ impl Reader {
             let ends_early = ReadFault::EndsEarly { what: "vertices", found, promised };
             let mut word = words.next_on_any_line();
             let line = words.line;
+            let place = Place::Line(line);
             let mut position = [0.0; 3];
             for (found, x) in position.iter_mut().enumerate() {
                 let Some(text) = word else {
@@ -144,7 +145,13 @@ impl Reader {
             positions.push(position);
             if keyword.has_normals {
                 let normal = numbers(std::iter::from_fn(|| words.next()));
-                normals.push(or_broken(normal, broken_normal, "normal_not_finite", "normal", line));
+                normals.push(or_broken(
+                    normal,
+                    broken_normal,
+                    "normal_not_finite",
+                    "normal",
+                    place,
+                ));
             }
             if keyword.has_texture {
                 // Colours of any length may stand before.
@@ -158,7 +165,7 @@ impl Reader {
                     broken_texture,
                     "texture_not_finite",
                     "texture coordinate",
-                    line,
+                    place,
                 ));
             }
             words.skip_line();
@@ -224,26 +231,4 @@ impl Reader {
         notices.sort_by_key(|notice| notice.place);
         Ok(Content { format: Format::Off, soup, notices })
     }
-}
-
-/// N finite numbers, if there are so many.
-fn numbers<'a, const N: usize>(mut words: impl Iterator<Item = &'a [u8]>) -> Option<[f64; N]> {
-    let mut numbers = [0.0; N];
-    for x in &mut numbers {
-        *x = coordinate(words.next()?).ok()?;
-    }
-    Some(numbers)
-}
-
-fn or_broken<const N: usize>(
-    value: Option<[f64; N]>,
-    notice: &mut Option<ReadNotice>,
-    kind: &'static str,
-    noun: &str,
-    line: u32,
-) -> [f64; N] {
-    value.unwrap_or_else(|| {
-        note(notice, kind, Place::Line(line), || format!("{noun} is not a number, ignored"));
-        attributes::broken()
-    })
 }

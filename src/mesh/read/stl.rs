@@ -1,27 +1,24 @@
 //! Reading STL, text or binary: facets with three corners each, and nothing that says which corners are one vertex.
 //!
-//! Guaranteed, besides what [`super`] promises: corners with equal coordinates are one vertex ([`weld_exact`]); binary
+//! Guaranteed, besides what [`super`] promises: corners with equal coordinates are one vertex ([`Welder`]); binary
 //! files are known by their size and not by the word `solid`, which many programs write into them; each solid of a text is
 //! a group. Normals, colours and attribute bytes are passed over: the order of the corners says which side is outside.
 //!
 //! Not guaranteed: that corners which merely almost coincide are joined, or that the facets close up.
-//!
-//! [`weld_exact`]: crate::mesh::weld_exact
 
 #![expect(clippy::cast_possible_truncation, reason = "elements are numbered in 32 bits")]
 
 use thiserror::Error;
 
-use super::number::{name, parse, quote};
-use super::{Content, Format, Place, ReadError, ReadFault, ReadNotice};
+use super::number::{LARGEST, name, parse, quote};
+use super::words::Words;
+use super::{Content, Format, Place, ReadError, ReadFault, ReadNotice, check_length, note};
 use crate::mesh::{Soup, Welder};
 
 /// Bytes of a binary file before the first facet: 80 of any content, then the number of facets.
 const HEAD: usize = 84;
 /// Bytes of a binary facet: normal, three corners, two bytes of attributes.
 const FACET: usize = 50;
-/// Coordinates beyond this become infinite on the way to the graphics card.
-const LARGEST: f64 = f32::MAX as f64;
 
 /// What is wrong with an STL file that was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -93,12 +90,7 @@ impl StlFault {
 ///
 /// **Fails** with [`ReadFault::Empty`], [`ReadFault::TooLong`], [`ReadFault::EndsEarly`] or a [`StlFault`]. **Costs** linear time.
 pub fn read(bytes: &[u8]) -> Result<Content, ReadError> {
-    if bytes.is_empty() {
-        return Err(ReadFault::Empty.anywhere());
-    }
-    if u32::try_from(bytes.len()).is_err() {
-        return Err(ReadFault::TooLong { bytes: bytes.len() }.anywhere());
-    }
+    check_length(bytes)?;
     let promised =
         bytes.get(80..HEAD).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
     let there = (bytes.len().saturating_sub(HEAD) / FACET) as u64;
@@ -187,48 +179,14 @@ fn binary(bytes: &[u8], promised: u64) -> Result<Content, ReadError> {
     Ok(finish(soup, welder, notices))
 }
 
-/// Words of a text with the line that each stands on. Lines end with LF, CR or both.
-struct Words<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    line: u32,
-}
-
-impl<'a> Words<'a> {
-    fn next(&mut self) -> Option<&'a [u8]> {
-        self.skip(|b| b.is_ascii_whitespace());
-        let start = self.at;
-        while self.bytes.get(self.at).is_some_and(|b| !b.is_ascii_whitespace()) {
-            self.at += 1;
-        }
-        (self.at > start).then(|| &self.bytes[start..self.at])
-    }
-
-    fn rest_of_line(&mut self) -> &'a [u8] {
-        let start = self.at;
-        self.skip(|b| b != b'\n' && b != b'\r');
-        self.bytes[start..self.at].trim_ascii()
-    }
-
-    fn skip(&mut self, is_skipped: impl Fn(u8) -> bool) {
-        while let Some(&b) = self.bytes.get(self.at)
-            && is_skipped(b)
-        {
-            let is_end = b == b'\n' || b == b'\r' && self.bytes.get(self.at + 1) != Some(&b'\n');
-            self.line = self.line.saturating_add(u32::from(is_end));
-            self.at += 1;
-        }
-    }
-}
-
 fn text(bytes: &[u8]) -> Result<Content, ReadError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut words = Words { bytes, at: 0, line: 1 };
+    let mut words = Words::new(bytes);
     let mut welder = Welder::default();
     let mut soup = Soup { starts: vec![0], ..Soup::default() };
     let mut ignored: Option<ReadNotice> = None;
     let mut is_open = false;
-    while let Some(word) = words.next() {
+    while let Some(word) = words.next_on_any_line() {
         let line = words.line;
         if word.eq_ignore_ascii_case(b"facet") {
             if soup.groups.is_empty() {
@@ -236,23 +194,19 @@ fn text(bytes: &[u8]) -> Result<Content, ReadError> {
             }
             facet(&mut words, line, &mut welder, &mut soup)?;
         } else if word.eq_ignore_ascii_case(b"solid") {
-            let rest = words.rest_of_line();
+            let rest = words.rest_of_line().trim_ascii();
             let number = soup.groups.len() + 1;
             let is_named = !rest.is_empty();
             soup.groups.push(if is_named { name(rest) } else { format!("solid {number}") });
             is_open = true;
         } else if word.eq_ignore_ascii_case(b"endsolid") {
-            words.rest_of_line();
+            words.skip_line();
             is_open = false;
         } else {
-            words.rest_of_line();
-            let first = ignored.get_or_insert_with(|| ReadNotice {
-                kind: "unknown_line",
-                count: 0,
-                place: Place::Line(line),
-                text: format!("line with {} ignored", quote(word)),
+            words.skip_line();
+            note(&mut ignored, "unknown_line", Place::Line(line), || {
+                format!("line with {} ignored", quote(word))
             });
-            first.count += 1;
         }
     }
     if soup.polygon_count() == 0 {
@@ -276,7 +230,7 @@ fn text(bytes: &[u8]) -> Result<Content, ReadError> {
 
 /// A facet of a text, from after its first word to `endfacet`.
 fn facet(
-    words: &mut Words,
+    words: &mut Words<'_>,
     line: u32,
     welder: &mut Welder,
     soup: &mut Soup,
@@ -286,18 +240,18 @@ fn facet(
     let first = soup.corners.len();
     // The normal may be anything, `nan` or missing.
     loop {
-        let word = words.next().ok_or_else(|| cut_short.clone())?;
+        let word = words.next_on_any_line().ok_or_else(|| cut_short.clone())?;
         if word.eq_ignore_ascii_case(b"loop") {
             break;
         }
     }
     loop {
-        let word = words.next().ok_or_else(|| cut_short.clone())?;
+        let word = words.next_on_any_line().ok_or_else(|| cut_short.clone())?;
         if word.eq_ignore_ascii_case(b"vertex") {
             let line = words.line;
             let mut position = [0.0; 3];
             for (i, coordinate) in position.iter_mut().enumerate() {
-                let word = words.next().ok_or_else(|| cut_short.clone())?;
+                let word = words.next_on_any_line().ok_or_else(|| cut_short.clone())?;
                 *coordinate =
                     number(word, facet, i).map_err(|f| at(Place::Line(line), f.into()))?;
             }
@@ -314,7 +268,7 @@ fn facet(
         let fault = StlFault::Incomplete { facet, what: "corners", found };
         return Err(at(Place::Line(line), fault.into()));
     }
-    match words.next() {
+    match words.next_on_any_line() {
         Some(word) if word.eq_ignore_ascii_case(b"endfacet") => {}
         Some(word) => {
             let fault = StlFault::Word { facet, expected: "endfacet", text: quote(word) };

@@ -1,4 +1,4 @@
-//! The words of a text, line by line: what OBJ, OFF and the text form of PLY have in common.
+//! The words of a text, line by line: what OBJ, OFF and the text forms of PLY and STL have in common.
 //!
 //! Guaranteed: linear time and no copies, whatever the bytes are; LF, CRLF and CR all end lines. Not guaranteed: that a
 //! word is UTF-8.
@@ -71,14 +71,12 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The rest of the line without blanks around it; a number sign that stands alone begins a comment.
+    /// The rest of the line as it stands, blanks and comments included.
     pub(super) fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = &self.bytes[self.at..];
         let end = rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
-        let rest = &rest[..end];
-        let comment = rest.windows(3).position(|three| matches!(three, [b' ' | b'\t', b'#', b' ']));
         self.at += end;
-        rest[..comment.unwrap_or(end)].trim_ascii()
+        &rest[..end]
     }
 
     /// Steps to the beginning of the next line. A backslash joins no lines here, so that a comment or a
@@ -89,7 +87,7 @@ impl<'a> Words<'a> {
         match rest.iter().position(|b| matches!(b, b'\n' | b'\r')) {
             Some(end) => {
                 self.at += end + if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
-                self.line += 1;
+                self.line = self.line.saturating_add(1);
             }
             None => self.at = self.bytes.len(),
         }
@@ -98,6 +96,12 @@ impl<'a> Words<'a> {
     fn is_line_end(&self, at: usize) -> bool {
         matches!(self.bytes.get(at), None | Some(b'\n' | b'\r'))
     }
+}
+
+/// The rest of a line without blanks around it; a number sign that stands alone begins a comment.
+pub(super) fn without_comment(rest: &[u8]) -> &[u8] {
+    let comment = rest.windows(3).position(|three| matches!(three, [b' ' | b'\t', b'#', b' ']));
+    rest[..comment.unwrap_or(rest.len())].trim_ascii()
 }
 
 #[inline]

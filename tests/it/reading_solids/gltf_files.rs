@@ -109,6 +109,10 @@ fn damaged_containers_are_refused_with_their_sizes() {
 
 #[test]
 fn json_of_any_depth_or_number_is_refused_in_words() {
+    // The version is told without making anything of what follows the first type that does not fit.
+    let deep = "[".repeat(1_000_000) + &"]".repeat(1_000_000);
+    let old = format!(r#"{{"asset":{{"version":"1.0"}},"nodes":{{"a":{deep}}}}}"#);
+    assert_eq!(refusal(gltf::read(old.as_bytes())), "glTF 1 is not supported");
     let cut = glb(r#"{"asset":{"version":"2.0"},"meshes":[{"primitives":["#, &[]);
     let expected = "JSON chunk: EOF while parsing a list at line 1 column 52";
     assert_eq!(refusal(gltf::read(&cut)), expected);

@@ -9,9 +9,8 @@ mod stl_files;
 use std::fs;
 use std::path::PathBuf;
 
-use cutflow::mesh::Soup;
 use cutflow::mesh::read::{Content, ReadError, ReadFault, gltf, stl};
-use cutflow::mesh::weld_exact;
+use cutflow::mesh::{Soup, Welder};
 
 use crate::mutation::{SplitMix64, mutate};
 
@@ -97,11 +96,17 @@ fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// The different places of corners, and the number of each corner's place.
+fn welded(corners: &[[f64; 3]]) -> (Vec<[f64; 3]>, Vec<u32>) {
+    let mut welder = Welder::default();
+    let numbers = corners.iter().map(|&corner| welder.add(corner)).collect();
+    (welder.into_places(), numbers)
+}
+
 /// Positions and 16-bit indices of a sphere of 42 vertices and 80 faces, one after the other.
 fn sphere_buffer() -> Vec<u8> {
     let corners = sphere(1, [0.0; 3]).concat();
-    let (places, indices) =
-        weld_exact(&corners.iter().map(|p| p.map(f64::from)).collect::<Vec<_>>());
+    let (places, indices) = welded(&corners.iter().map(|p| p.map(f64::from)).collect::<Vec<_>>());
     assert_eq!((places.len(), indices.len()), (42, 240));
     let positions = places.as_flattened().iter().flat_map(|&c| (c as f32).to_le_bytes());
     positions.chain(indices.iter().flat_map(|&i| (i as u16).to_le_bytes())).collect()
@@ -188,11 +193,11 @@ fn assert_sound(content: &Content) {
 #[test]
 fn welding_numbers_places_in_order_of_first_appearance() {
     let corners = [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [-0.0, 0.0, -0.0], [1.0, -0.0, 0.0], [2.0; 3]];
-    let (places, numbers) = weld_exact(&corners);
+    let (places, numbers) = welded(&corners);
     assert_eq!(places, [[1.0, 0.0, 0.0], [0.0; 3], [2.0; 3]]);
     assert_eq!(numbers, [0, 1, 1, 0, 2]);
     assert!(places[1].iter().all(|c| c.is_sign_positive()));
-    assert_eq!(weld_exact(&[]), (vec![], vec![]));
+    assert_eq!(welded(&[]), (vec![], vec![]));
 }
 
 #[test]
@@ -202,7 +207,7 @@ fn welding_agrees_with_a_search_tree() {
         // Whole numbers and their neighbours: bits that differ at the top only, and at the bottom only.
         let mut number = || random.below(spread) as f64 + (random.below(3) as f64) * f64::EPSILON;
         let corners: Vec<_> = (0..20_000).map(|_| [number(), number(), number()]).collect();
-        let (places, numbers) = weld_exact(&corners);
+        let (places, numbers) = welded(&corners);
         let mut tree = std::collections::BTreeMap::new();
         for (corner, &n) in corners.iter().zip(&numbers) {
             let next = tree.len() as u32;

@@ -6,10 +6,11 @@
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 
-use gltf::json::{Buffer, Root, Value, deserialize};
+use gltf::json::{Buffer, Root};
 
 use super::super::number::{name, quote};
 use super::super::{ReadError, ReadFault};
+use super::version::told;
 use super::{GltfFault, GltfNote, Notes};
 
 /// Objects of JSON that are read. Each takes up to about half a kilobyte, while `{}` in the file takes three bytes: without
@@ -82,14 +83,13 @@ pub(super) fn parse(parts: &Parts) -> Result<Root, ReadError> {
     }
     let root = Root::from_slice(parts.json).map_err(|error| {
         // glTF 1 has other types in the same places; its version must be told, not the first of them.
-        let value = deserialize::from_slice::<Value>(parts.json).unwrap_or_default();
-        if value.is_object() {
-            let Some(asset) = value.get("asset") else { return GltfFault::NotGltf.anywhere() };
-            let version = asset.get("version").and_then(Value::as_str);
-            let is_first = value.get("nodes").is_some_and(Value::is_object);
-            let version = version.or(is_first.then_some("1"));
+        if let Some(told) = told(parts.json).filter(|_| error.is_data()) {
+            if !told.has_asset {
+                return GltfFault::NotGltf.anywhere();
+            }
+            let version = told.version.map(name).or(told.has_named_nodes.then(|| "1".into()));
             if let Some(version) = version.filter(|v| !is_second(v)) {
-                return version_fault(version);
+                return version_fault(&version);
             }
         }
         let text = name(error.to_string().as_bytes());

@@ -14,6 +14,7 @@ mod accessors;
 mod container;
 mod nodes;
 mod primitives;
+mod version;
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -23,7 +24,7 @@ use thiserror::Error;
 use self::container::Buffers;
 use self::nodes::{Draw, cross, dot};
 use self::primitives::{NONE, Source, Triangles};
-use super::number::name as printable;
+use super::number::{LARGEST, name as printable};
 use super::{Content, Format, Place, ReadError, ReadFault, ReadNotice, to_u32};
 use crate::mesh::Soup;
 
@@ -428,7 +429,7 @@ impl<'a> Scene<'a> {
         let first_vertex = to_u32(self.soup.positions.len());
         for &position in &mesh.positions {
             let position = draw.transform.point(position);
-            if !position.iter().all(|c| c.abs() <= f64::from(f32::MAX)) {
+            if !position.iter().all(|c| c.abs() <= LARGEST) {
                 let problem = "moves a vertex beyond 3.4e38".into();
                 return Err(match draw.node {
                     Some(node) => GltfFault::element("node", node, problem),

@@ -11,6 +11,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 
 use super::super::ReadError;
+use super::super::number::LARGEST;
 use super::accessors::{Accessor, Use};
 use super::container::{Buffers, unsupported, uses};
 use super::{GltfFault, GltfNote, Notes};
@@ -204,8 +205,6 @@ pub(super) struct Survey {
 
 const TEXTURE: Checked<Semantic> = Checked::Valid(Semantic::TexCoords(0));
 const NORMALS: Checked<Semantic> = Checked::Valid(Semantic::Normals);
-/// Numbers beyond this become infinite on the way to the graphics card.
-const LARGEST: f64 = f32::MAX as f64;
 
 /// Mode and positions of a primitive that has triangles; `None` for points and lines, and where there are no positions.
 fn drawn(

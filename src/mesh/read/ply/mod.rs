@@ -10,6 +10,7 @@ mod source;
 use header::{Element, Encoding, Header, Scalar, Shape};
 use source::{Binary, Source, Stop, Text};
 
+use super::attributes::or_broken;
 use super::words::Words;
 use super::{
     Content, Format, Place, ReadError, ReadFault, ReadNotice, attributes, check_length, note,
@@ -187,13 +188,13 @@ impl Reader {
                 let [nx, ny, nz, u, v] = attributes;
                 if has_normals {
                     let notice = &mut self.normal_not_finite;
-                    let normal =
-                        or_broken([nx, ny, nz], notice, "normal_not_finite", "normal", place);
+                    let normal = finite([nx, ny, nz]);
+                    let normal = or_broken(normal, notice, "normal_not_finite", "normal", place);
                     self.soup.normals.push(normal);
                 }
                 if texture.is_some() {
                     self.soup.texture_coordinates.push(or_broken(
-                        [u, v],
+                        finite([u, v]),
                         &mut self.texture_not_finite,
                         "texture_not_finite",
                         "texture coordinate",
@@ -327,7 +328,7 @@ impl Reader {
                 index = to_u32(soup.texture_coordinates.len());
                 let uv = [self.face_texture[2 * i], self.face_texture[2 * i + 1]];
                 soup.texture_coordinates.push(or_broken(
-                    uv,
+                    finite(uv),
                     &mut self.texture_not_finite,
                     "texture_not_finite",
                     "texture coordinate",
@@ -355,18 +356,9 @@ fn vertex(index: f64, vertices: u64) -> Result<u32, ReadFault> {
     Err(ReadFault::VertexOutOfRange { index: index.to_string(), vertices })
 }
 
-fn or_broken<const N: usize>(
-    value: [f64; N],
-    notice: &mut Option<ReadNotice>,
-    kind: &'static str,
-    noun: &str,
-    place: Place,
-) -> [f64; N] {
-    if value.iter().all(|&x| number::finite(x).is_ok()) {
-        return value;
-    }
-    note(notice, kind, place, || format!("{noun} is not a number, ignored"));
-    attributes::broken()
+/// The numbers, if all are finite.
+fn finite<const N: usize>(numbers: [f64; N]) -> Option<[f64; N]> {
+    numbers.iter().all(|&x| number::finite(x).is_ok()).then_some(numbers)
 }
 
 fn skip(source: &mut impl Source, element: &Element<'_>) -> Result<(), ReadError> {
