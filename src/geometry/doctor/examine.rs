@@ -154,7 +154,7 @@ pub fn examine(soup: &Soup) -> Examination {
     if !inward.is_empty() {
         let mut finding = Finding::new(FindingKind::InsideOut, Severity::Note, inward.len());
         finding.faces = inward;
-        finding.repairs.push(Repair::Orient);
+        finding.repairs.extend([Repair::Orient, Repair::TurnInsideOut]);
         findings.push(finding);
     }
     findings.sort_by_key(|finding| (finding.severity, finding.kind));

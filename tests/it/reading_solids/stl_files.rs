@@ -71,6 +71,11 @@ fn each_solid_of_a_text_is_a_group() {
     assert_eq!(soup.lines[..2], [2, 9]);
     assert_eq!(texts(&content), ["480 corners at 84 places"]);
     assert_sound(&content);
+    // Names may hold number signs and end in a backslash; comments are no unknown lines.
+    let odd = text_stl("part # 3 \\", &sphere(0, [0.0; 3])) + "# made by hand\n";
+    let content = stl::read(odd.as_bytes()).unwrap();
+    assert_eq!(content.soup.groups, ["part # 3 \\"]);
+    assert_eq!(texts(&content), ["60 corners at 12 places"]);
 }
 
 #[test]

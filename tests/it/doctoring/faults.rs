@@ -1,158 +1,10 @@
-//! The doctor of meshes: what is found, and that repairs leave a surface.
-//!
-//! The first half makes its own patients and always runs; the second reads the collection beside the checkout, and says
-//! so where there is none.
+//! Each fault by itself: how it is found, and what its repair leaves.
 
-use std::collections::BTreeMap;
-use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
-
-use cutflow::geometry::doctor::{
-    Examination, examine, fill_holes, repair, repair_all, triangles, weld,
-};
+use cutflow::geometry::doctor::{examine, fill_holes, repair, repair_all, weld};
+use cutflow::mesh::Soup;
 use cutflow::mesh::doctor::{FindingKind, Repair, Severity, drop_isolated, turn};
-use cutflow::mesh::read::obj;
-use cutflow::mesh::{Mesh, Soup};
 
-/// A closed ball of squares and triangles: `n` meridians, `n / 2` belts; 2 + n(n/2 − 1) vertices.
-fn ball(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    let belts = n / 2;
-    let mut positions = vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
-    for i in 1..belts {
-        for j in 0..n {
-            let (t, p) = (f64::from(i) / f64::from(n) * TAU, f64::from(j) / f64::from(n) * TAU);
-            positions.push([t.sin() * p.cos(), t.sin() * p.sin(), t.cos()]);
-        }
-    }
-    let at = |i: u32, j: u32| 2 + (i - 1) * n + j % n;
-    let mut triangles = Vec::new();
-    for j in 0..n {
-        triangles.push([0, at(1, j), at(1, j + 1)]);
-        for i in 1..belts - 1 {
-            triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-        }
-        triangles.push([1, at(belts - 1, j + 1), at(belts - 1, j)]);
-    }
-    (positions, triangles)
-}
-
-fn sphere() -> Soup {
-    let (positions, triangles) = ball(12);
-    Soup::from_triangles(positions, &triangles)
-}
-
-/// A soup of polygons.
-fn polygons(positions: Vec<[f64; 3]>, polygons: &[&[u32]]) -> Soup {
-    let mut soup = Soup { positions, starts: vec![0], ..Soup::default() };
-    for polygon in polygons {
-        soup.corners.extend_from_slice(polygon);
-        soup.starts.push(soup.corners.len() as u32);
-    }
-    soup
-}
-
-/// A band of `n` by 4 squares closed with half a turn, as triangles.
-fn moebius(n: u32) -> Soup {
-    let mut positions = Vec::new();
-    for i in 0..n {
-        for j in 0..5 {
-            let (t, s) = (f64::from(i) / f64::from(n) * TAU, (f64::from(j) - 2.0) / 5.0);
-            let r = 1.0 + s * (t / 2.0).cos();
-            positions.push([r * t.cos(), r * t.sin(), s * (t / 2.0).sin()]);
-        }
-    }
-    let at = |i: u32, j: u32| if i == n { 4 - j } else { 5 * i + j };
-    let mut triangles = Vec::new();
-    for i in 0..n {
-        for j in 0..4 {
-            triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-        }
-    }
-    Soup::from_triangles(positions, &triangles)
-}
-
-/// Every triangle with its own vertices, moved by at most `jitter` along each axis.
-fn exploded(soup: &Soup, jitter: f64) -> Soup {
-    let mut random = Random(7);
-    let mut moved =
-        |v: &u32| soup.positions[*v as usize].map(|x| x + jitter * (2.0 * random.unit() - 1.0));
-    let positions = Vec::from_iter(soup.corners.iter().map(&mut moved));
-    let corners = (0..).take(positions.len()).collect();
-    Soup { positions, corners, starts: soup.starts.clone(), ..Soup::default() }
-}
-
-/// A seeded sequence (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        (self.unit() * n as f64) as usize
-    }
-
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
-fn is_mesh(soup: &Soup) -> bool {
-    Mesh::new(soup.positions.len(), &triangles(soup)).is_ok()
-}
-
-fn count(examination: &Examination, kind: FindingKind) -> usize {
-    examination.find(kind).map_or(0, |finding| finding.count)
-}
-
-/// Used vertices, polygons, components, loops, Euler characteristic.
-fn shape(examination: &Examination) -> [i64; 5] {
-    [
-        examination.vertices as i64,
-        examination.faces as i64,
-        examination.components.len() as i64,
-        examination.boundary_loops.len() as i64,
-        examination.euler,
-    ]
-}
-
-/// Repairs all, asserts what is guaranteed of that, and gives the result.
-fn cured(soup: &Soup) -> Soup {
-    let (result, done) = repair_all(soup);
-    let after = examine(&result);
-    assert!(result.polygon_count() == 0 || is_mesh(&result), "{done:?}");
-    assert!(result.polygon_count() == 0 || after.is_solvable, "{done:?} {:?}", after.findings);
-    let recommended = after.recommended();
-    assert!(recommended.iter().all(|r| matches!(r, Repair::Weld { .. })), "{recommended:?}");
-    assert_sound(soup, &result);
-    // Once more finds nothing to do, unless the weld of a soup in pieces is asked for again.
-    let (again, more) = repair_all(&result);
-    if !more.iter().any(|(r, _)| matches!(r, Repair::Weld { .. })) {
-        assert!(more.is_empty(), "{done:?} then {more:?}");
-        assert_eq!(again, result);
-    }
-    result
-}
-
-/// What holds for all repairs: vertices keep numbers and bits, lists have their lengths, indices are in range.
-fn assert_sound(before: &Soup, after: &Soup) {
-    let bits = |soup: &Soup| Vec::from_iter(soup.positions.iter().map(|p| p.map(f64::to_bits)));
-    assert!(bits(after).starts_with(&bits(before)));
-    assert_eq!(after.starts.last().map(|&end| end as usize), Some(after.corners.len()));
-    assert!(after.corners.iter().all(|&v| (v as usize) < after.positions.len()));
-    for (corners, values) in [
-        (&after.texture_corners, after.texture_coordinates.len()),
-        (&after.normal_corners, after.normals.len()),
-    ] {
-        assert!(corners.is_empty() || corners.len() == after.corners.len());
-        assert!(corners.iter().all(|&t| t == u32::MAX || (t as usize) < values));
-    }
-    for list in [&after.lines, &after.polygon_groups, &after.polygon_materials] {
-        assert!(list.is_empty() || list.len() == after.polygon_count());
-    }
-}
+use super::{Random, ball, count, cured, exploded, is_mesh, moebius, polygons, shape, sphere};
 
 #[test]
 fn a_sound_sphere_has_no_finding_and_needs_no_repair() {
@@ -393,7 +245,9 @@ fn flipped_faces_are_turned_back_and_closed_parts_face_outward() {
     let inward = turn(&sphere(), |_| true);
     let examination = examine(&inward);
     assert!(examination.is_solvable && examination.components[0].volume.unwrap() < -3.0);
-    assert_eq!(examination.find(FindingKind::InsideOut).unwrap().severity, Severity::Note);
+    let finding = examination.find(FindingKind::InsideOut).unwrap();
+    assert_eq!(finding.severity, Severity::Note);
+    assert_eq!(finding.repairs, [Repair::Orient, Repair::TurnInsideOut]);
     // Nothing blocks, so it is left as it is until asked.
     assert_eq!(cured(&inward), inward);
     assert_eq!(repair(&inward, Repair::Orient), (sphere(), sphere().polygon_count()));
@@ -436,6 +290,20 @@ fn loose_triangles_are_welded_with_the_tolerance_that_they_need() {
     }
     // Twice the tolerance away is not near.
     assert_eq!(weld(&exploded(&whole, 1e-4), 1e-6).1, 0);
+}
+
+#[test]
+fn a_tolerance_below_rounding_welds_what_is_equal() {
+    // Cells so small have no number. A triangle far away leaves all others in one octant of the box, and so in one cell:
+    // 10⁹ pairs would be compared.
+    let (mut positions, mut triangles) = ball(300);
+    let far = positions.len() as u32;
+    positions.extend([[-9.0, -9.0, -9.0], [-9.0, -9.0, -8.0], [-9.0, -8.0, -9.0]]);
+    triangles.push([far, far + 1, far + 2]);
+    let loose = exploded(&Soup::from_triangles(positions, &triangles), 0.0);
+    let (welded, count) = weld(&loose, 1e-300);
+    assert_eq!((welded, count), weld(&loose, 0.0));
+    assert!(count > 150_000);
 }
 
 #[test]
@@ -556,184 +424,4 @@ fn slivers_and_far_vertices_are_told_with_the_worst_value() {
     assert!((finding.worst.unwrap() - 2e-3_f64.atan()).abs() < 1e-12);
     assert_eq!(examination.find(FindingKind::Isolated).unwrap().vertices, [3]);
     assert_eq!(count(&examination, FindingKind::FarFromOrigin), 0);
-}
-
-/// A soup of random polygons on few vertices, many at the same places or on lines, with tagged attributes.
-fn random_soup(random: &mut Random) -> Soup {
-    let vertices = 4 + random.below(16);
-    let places = 1 + random.below(4);
-    let mut soup = Soup { starts: vec![0], ..Soup::default() };
-    for _ in 0..vertices {
-        let mut x = || random.below(places + 1) as f64;
-        soup.positions.push([x(), x(), x()]);
-    }
-    let largest = [3, 4, 6, 9][random.below(4)];
-    for i in 0..1 + random.below(40) {
-        for _ in 0..3 + random.below(largest - 2) {
-            let v = random.below(vertices) as u32;
-            soup.corners.push(v);
-            soup.texture_corners.push(soup.texture_coordinates.len() as u32);
-            soup.texture_coordinates.push([f64::from(v), i as f64]);
-        }
-        soup.starts.push(soup.corners.len() as u32);
-        soup.groups.push(format!("{i}"));
-        soup.polygon_groups.push(i as u32);
-        soup.lines.push(i as u32 + 1);
-    }
-    soup
-}
-
-#[test]
-fn random_soups_become_surfaces_with_their_attributes() {
-    let mut random = Random(1);
-    for _ in 0..3000 {
-        let soup = random_soup(&mut random);
-        let examination = examine(&soup);
-        if examination.is_solvable {
-            assert!(is_mesh(&soup));
-        }
-        let result = cured(&soup);
-        for i in 0..result.polygon_count() {
-            let group = result.polygon_groups[i];
-            assert_eq!(result.lines[i], group + 1);
-            for corner in result.starts[i]..result.starts[i + 1] {
-                let texture = result.texture_corners[corner as usize] as usize;
-                let [v, polygon] = result.texture_coordinates[texture];
-                assert_eq!(polygon, f64::from(group));
-                // Given corners are still where they were.
-                if texture < soup.texture_coordinates.len() {
-                    let vertex = result.corners[corner as usize] as usize;
-                    let [p, q] = [result.positions[vertex], soup.positions[v as usize]];
-                    assert_eq!(p, q);
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn every_repair_leaves_no_finding_of_its_kind_and_does_nothing_twice() {
-    let mut random = Random(2);
-    for _ in 0..1000 {
-        let (soup, _) = repair(&random_soup(&mut random), Repair::DropRepeated);
-        let (soup, _) = repair(&soup, Repair::DropDuplicates);
-        let (flat_free, _) = repair(&soup, Repair::DropDegenerate);
-        let (flat_free, _) = repair(&flat_free, Repair::DropDuplicates);
-        let (edges_split, _) = repair(&flat_free, Repair::SplitEdges);
-        for (kind, one) in [
-            (FindingKind::RepeatedVertices, Repair::DropRepeated),
-            (FindingKind::DuplicateFaces, Repair::DropDuplicates),
-            (FindingKind::DegenerateFaces, Repair::DropDegenerate),
-            (FindingKind::NonManifoldEdges, Repair::SplitEdges),
-            (FindingKind::NonManifoldVertices, Repair::SplitVertices),
-            (FindingKind::NotOrientable, Repair::OpenOneSided),
-            (FindingKind::Orientation, Repair::Orient),
-            (FindingKind::FoldedPolygons, Repair::SplitPolygons),
-            (FindingKind::Isolated, Repair::DropIsolated),
-        ] {
-            // What the examination leaves out does not take part in the topology either.
-            let before = match kind {
-                FindingKind::NonManifoldEdges | FindingKind::NonManifoldVertices => &flat_free,
-                FindingKind::NotOrientable
-                | FindingKind::Orientation
-                | FindingKind::FoldedPolygons => &edges_split,
-                _ => &soup,
-            };
-            let (result, _) = repair(before, one);
-            assert_eq!(count(&examine(&result), kind), 0, "{one}");
-            assert_eq!(repair(&result, one), (result.clone(), 0), "{one}");
-        }
-    }
-}
-
-/// Torn, flipped, doubled and bent: a torus with random damage.
-#[test]
-fn damaged_surfaces_become_surfaces() {
-    let mut random = Random(5);
-    for _ in 0..300 {
-        let (mut positions, mut all) = ball(10);
-        for _ in 0..random.below(12) {
-            let (i, j) = (random.below(all.len()), random.below(positions.len()) as u32);
-            match random.below(7) {
-                0 => all[i].swap(0, 1),
-                1 => drop(all.swap_remove(i)),
-                2 => all.push(all[i]),
-                3 => all[i][random.below(3)] = j,
-                4 => positions[all[i][0] as usize] = positions[all[i][1] as usize],
-                5 => {
-                    let [a, b] = [0, 1].map(|k| positions[all[i][k] as usize]);
-                    let middle = [0, 1, 2].map(|k| (a[k] + b[k]) / 2.0);
-                    positions[all[i][2] as usize] = middle;
-                }
-                _ => all.push([all[i][0], all[i][1], j]),
-            }
-        }
-        cured(&Soup::from_triangles(positions, &all));
-    }
-}
-
-fn collection() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: ../shared/meshes is not there");
-    None
-}
-
-#[test]
-fn the_collection_is_diagnosed_and_cured_as_its_readme_says() {
-    use FindingKind as K;
-    let Some(folder) = collection() else { return };
-    // Blocking or telling findings with their counts; then vertices, polygons, components, loops, Euler when cured.
-    type Row = (&'static [(FindingKind, usize)], [i64; 5]);
-    let rows: BTreeMap<&str, Row> = BTreeMap::from([
-        ("all-collinear.obj", (&[(K::DegenerateFaces, 98)][..], [0, 0, 0, 0, 0])),
-        ("all-same-point.obj", (&[(K::NoExtent, 1)], [0, 0, 0, 0, 0])),
-        ("anisotropic.obj", (&[(K::Slivers, 320), (K::HugeRatio, 1)], [162, 320, 1, 0, 2])),
-        ("bowtie-vertex.obj", (&[(K::NonManifoldVertices, 1)], [6, 2, 2, 2, 2])),
-        ("components.obj", (&[(K::Components, 6), (K::BoundaryLoops, 2)], [548, 1053, 6, 2, 8])),
-        ("degenerate-faces.obj", (&[(K::DegenerateFaces, 4)], [42, 80, 1, 0, 2])),
-        ("duplicate-faces.obj", (&[(K::DuplicateFaces, 40)], [162, 320, 1, 0, 2])),
-        ("fin-on-sphere.obj", (&[(K::NonManifoldEdges, 1)], [45, 81, 2, 1, 3])),
-        ("flipped-faces.obj", (&[(K::Orientation, 218)], [162, 320, 1, 0, 2])),
-        ("huge-offset.obj", (&[(K::FarFromOrigin, 1)], [162, 320, 1, 0, 2])),
-        ("inside-out.obj", (&[(K::InsideOut, 1)], [162, 320, 1, 0, 2])),
-        ("isolated-vertices.obj", (&[(K::Isolated, 35)], [42, 80, 1, 0, 2])),
-        ("klein-bottle.obj", (&[(K::NotOrientable, 1)], [544, 1024, 1, 2, 0])),
-        ("moebius.obj", (&[(K::NotOrientable, 1)], [205, 320, 1, 1, 1])),
-        ("nonmanifold-edge.obj", (&[(K::NonManifoldEdges, 1)], [9, 3, 3, 3, 3])),
-        ("polygon-200.obj", (&[], [400, 202, 1, 0, 2])),
-        ("single-triangle.obj", (&[(K::BoundaryLoops, 1)], [3, 1, 1, 1, 1])),
-        ("tiny-scale.obj", (&[], [162, 320, 1, 0, 2])),
-        ("touching-holes.obj", (&[(K::NonManifoldVertices, 1)], [82, 124, 1, 2, 0])),
-        ("triangle-dust.obj", (&[(K::Components, 400)], [1200, 400, 400, 400, 400])),
-        ("two-spheres-crossing.obj", (&[(K::Components, 2)], [324, 640, 2, 0, 4])),
-        ("two-tetra-one-vertex.obj", (&[(K::NonManifoldVertices, 1)], [8, 8, 2, 0, 4])),
-    ]);
-    for (name, (findings, expected)) in rows {
-        let bytes = std::fs::read(folder.join("bad").join(name)).unwrap();
-        let soup = obj::read(&bytes).unwrap().soup;
-        let examination = examine(&soup);
-        for &(kind, expected) in findings {
-            assert_eq!(count(&examination, kind), expected, "{name}: {kind:?}");
-        }
-        let blocks = examination.findings.iter().filter(|f| f.severity == Severity::Blocks);
-        let allowed = |kind| findings.iter().any(|f| f.0 == kind) || kind == K::RepeatedVertices;
-        assert!(blocks.map(|f| f.kind).all(allowed), "{name}: {:?}", examination.findings);
-        assert_eq!(shape(&examine(&cured(&soup))), expected, "{name}");
-    }
-}
-
-#[test]
-fn every_sound_mesh_of_the_collection_is_left_as_it_is() {
-    let Some(folder) = collection() else { return };
-    let mut names = Vec::from_iter(std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()));
-    names.retain(|path| path.extension().is_some_and(|extension| extension == "obj"));
-    names.sort();
-    for path in names {
-        let soup = obj::read(&std::fs::read(&path).unwrap()).unwrap().soup;
-        assert!(examine(&soup).is_solvable, "{}", path.display());
-        assert_eq!(repair_all(&soup), (soup, vec![]), "{}", path.display());
-    }
 }
