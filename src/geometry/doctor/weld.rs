@@ -33,8 +33,8 @@ pub(super) struct Weld {
 
 /// Finds the boundary vertices whose merging closes edges.
 ///
-/// **Takes** a tolerance in parts of the diagonal of the bounding box; below [`LEAST`] only what is equal is near. Each vertex joins the first one before it within
-/// the tolerance that did not itself join another: places do not chain up.
+/// **Takes** a tolerance in parts of the diagonal of the bounding box; below [`LEAST`] only what is equal is near. Each
+/// vertex joins the first one before it within the tolerance that did not itself join another: places do not chain up.
 pub(super) fn plan(soup: &Soup, sides: &Sides, surface: &Surface, tolerance: f64) -> Weld {
     let boundary: Vec<[u32; 2]> = (0..sides.edges.len())
         .filter(|&e| sides.of(e).len() == 1)
