@@ -27,6 +27,8 @@ export class EngineClient {
   /** The preparation under way, and who waits for its end. */
   #preparing = null;
   #rested = [];
+  /** What brought the newest mesh about. */
+  #made = null;
   #values = {};
   #size = null;
 
@@ -51,6 +53,11 @@ export class EngineClient {
   /** Whether a mesh is being opened now. */
   get isOpening() {
     return this.#opening !== null;
+  }
+
+  /** Whether a tool is at work on the mesh: it ends with the mesh that it gives, before that one's first cut. */
+  get isMaking() {
+    return this.#preparing !== null && this.#preparing !== this.#made;
   }
 
   /** Sends one command; resolves when the engine has handled it. */
@@ -159,7 +166,10 @@ export class EngineClient {
     for (const event of events) {
       if (event.type === "parameters") this.#values = event.values;
       if (event.type === "size") this.#size = event;
-      if (event.type === "mesh") this.#follow(cause);
+      if (event.type === "mesh") {
+        this.#made = cause;
+        this.#follow(cause);
+      }
       if (event.type === "status") this.#rest(event.state === "preparing", cause);
     }
     this.#on.events(events, spent);

@@ -25,7 +25,7 @@ import { measure, percent, plural } from "./format.js";
 const FIRST_SAMPLE = "ball";
 /** Why what needs a cut cannot be had. */
 const BLOCKED = "Repair the mesh first: see Mesh, at the top of the parameters";
-/** How long a preparation is given to stop by itself. */
+/** How long a tool is given to stop by itself. */
 const GRACE_MS = 20_000;
 const root = document.documentElement;
 const asked = readAddress();
@@ -35,7 +35,8 @@ const now = {
   mesh: null,
   /** What the doctor said about it. */
   doctor: null,
-  isPreparing: false,
+  /** What the engine prepares by itself, as a sentence; null where it prepares nothing. */
+  preparing: null,
   values: {},
   /** The values with which the mesh was opened. */
   opened: null,
@@ -52,7 +53,9 @@ const error = errorPanel(async () => {
   await client.command({ type: "dismiss_error" });
   status.recover();
 });
-let stopWaiting = () => {};
+/** The strips that are shown or were last: for the answer to a command, and for what the engine prepares. */
+let answerWait = null;
+let preparationWait = null;
 const status = statusPanel({
   run: () => onPieces({ type: "run" }),
   pause: () => client.command({ type: "pause" }),
@@ -129,7 +132,7 @@ const handlers = {
   size: (event) => meshPanel.size(event),
   tools: (event) => meshPanel.tools(event),
   progress({ label, fraction }) {
-    if (now.isPreparing) wait.progress(label, fraction);
+    preparationWait?.progress(label, fraction);
   },
   parameters(event) {
     now.values = event.values;
@@ -137,7 +140,7 @@ const handlers = {
     parameters.show(event);
   },
   status(event) {
-    preparing(event.state === "preparing", event.text);
+    preparing(event.state === "preparing" ? event.text : null);
     status.show(event);
     learn.update();
   },
@@ -182,7 +185,7 @@ const client = new EngineClient({
   events(list, spent) {
     for (const event of list) handlers[event.type]?.(event);
     const steps = list.filter((event) => event.type === "energy" && event.step > 0).length;
-    if (spent > 0 && !now.isPreparing) status.spent(spent, steps);
+    if (spent > 0 && now.preparing === null) status.spent(spent, steps);
     if (status.state() !== "running") settle();
   },
   scene(scene) {
@@ -192,14 +195,14 @@ const client = new EngineClient({
     learn.update();
   },
   restarted(sentence, hasDocument) {
-    preparing(false);
+    preparing(null);
     wait.end();
     say(sentence);
     if (hasDocument) status.show({ state: "loading", step: 0, text: "Loading the last mesh again" });
     else status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
   },
   failed(reason) {
-    preparing(false);
+    preparing(null);
     wait.end();
     const event = {
       what: "The solver does not run in this browser.",
@@ -288,31 +291,47 @@ function repairAll() {
 
 /** Sends a command that gives another mesh at once, with a way out where it takes long. */
 async function changing(sentence, command) {
-  const done = wait.begin(sentence, () => client.cancel(`${sentence} was cancelled.`));
-  await client.command(command);
-  done();
+  await answered(sentence, `${sentence} was cancelled.`, () => client.command(command));
 }
 
-/** A preparation has begun, goes on, or has ended. */
-function preparing(isPreparing, text) {
-  if (isPreparing === now.isPreparing) return;
-  now.isPreparing = isPreparing;
-  meshPanel.busy(isPreparing);
-  if (isPreparing) stopWaiting = wait.begin(text, stopPreparing);
-  else stopWaiting();
+/** Waits for the answer to `ask()`; who does not want to wait for it gets a new engine. */
+async function answered(sentence, cancelled, ask) {
+  const mine = wait.begin(sentence, () => client.cancel(cancelled));
+  answerWait = mine;
+  const answer = await ask();
+  mine.end();
+  awaitPreparation();
+  return answer;
 }
 
+/** Takes what is prepared now, null where nothing is. */
+function preparing(sentence) {
+  const changed = (sentence === null) !== (now.preparing === null);
+  now.preparing = sentence;
+  if (changed) meshPanel.busy(sentence !== null);
+  if (sentence === null) preparationWait?.end();
+  else awaitPreparation();
+}
+
+/** Shows what is prepared: once for each mesh, and not before an answer that is waited for. */
+function awaitPreparation() {
+  if (now.preparing === null || answerWait?.isOn()) return;
+  if (preparationWait?.isOn() && preparationWait.mesh === now.mesh) return;
+  preparationWait = { mesh: now.mesh, ...wait.begin(now.preparing, stopPreparing) };
+}
+
+/** A tool that does not stop is stopped with its engine. A first cut is not: a new engine would begin it again. */
 async function stopPreparing() {
-  const late = setTimeout(() => client.cancel("The preparation was stopped, and the solver started again."), GRACE_MS);
+  const late = setTimeout(() => {
+    if (client.isMaking) client.cancel("The preparation was stopped, and the solver started again.");
+  }, GRACE_MS);
   await client.command({ type: "cancel" });
   clearTimeout(late);
 }
 
 async function opening(name, open) {
   status.show({ state: "loading", step: 0, text: `Loading ${name}` });
-  const done = wait.begin(`Loading ${name}`, () => client.cancel("Opening was cancelled."));
-  const answer = await open();
-  done();
+  const answer = await answered(`Loading ${name}`, "Opening was cancelled.", open);
   // The engine says how it went; a refused file leaves the document before it in place.
   return answer.events.some((event) => event.type === "mesh");
 }

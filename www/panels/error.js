@@ -77,27 +77,35 @@ export function waitStrip() {
     cancel();
   });
 
+  /** What is done now and the part of it that is done, null where that is not known. */
+  function tell(sentence, fraction) {
+    write(text, sentence);
+    bar.setAttribute("aria-label", sentence);
+    if (Number.isFinite(fraction)) bar.value = fraction;
+    else bar.removeAttribute("value");
+  }
+
   const strip = {
-    /** Says what is waited for; `stop()` is called when a person does not want to wait. Gives what ends this wait. */
+    /**
+     * Says what is waited for; `stop()` is called when a person does not want to wait. Gives this wait, whose methods
+     * do nothing once it is over or another has taken its place.
+     */
     begin(sentence, stop) {
       strip.end();
-      turn += 1;
       const mine = turn;
+      const isOn = () => mine === turn;
       cancel = stop;
-      strip.progress(sentence, null);
+      tell(sentence, null);
       timer = setTimeout(() => (host.hidden = false), PATIENCE_MS);
-      return () => {
-        if (mine === turn) strip.end();
+      return {
+        isOn,
+        progress: (sentence, fraction) => isOn() && tell(sentence, fraction),
+        end: () => isOn() && strip.end(),
       };
     },
-    /** What is done now and the part of it that is done, null where that is not known. */
-    progress(sentence, fraction) {
-      write(text, sentence);
-      bar.setAttribute("aria-label", sentence);
-      if (Number.isFinite(fraction)) bar.value = fraction;
-      else bar.removeAttribute("value");
-    },
+    /** Ends whatever is waited for. */
     end() {
+      turn += 1;
       clearTimeout(timer);
       host.hidden = true;
       button.disabled = false;

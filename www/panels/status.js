@@ -53,8 +53,9 @@ export function statusPanel({ run, pause, step, reset }) {
     buttons.run.disabled = !canStart;
     buttons.pause.disabled = state !== "running";
     buttons.step.disabled = !canStart;
-    const isAtStart = state === "ready" && at === 0;
-    buttons.reset.disabled = isAtStart || ["loading", "preparing", "error"].includes(state) || blocked !== null;
+    // A mesh that was not cut has no energy yet: its start is still to be made.
+    const isAtStart = state === "ready" && at === 0 && energy.start !== null;
+    buttons.reset.disabled = isAtStart || !(canStart || (state === "running" && blocked === null));
     for (const [button, title] of titles) button.title = blocked ?? title;
     if (focused === buttons.run && state === "running") buttons.pause.focus();
     if (focused === buttons.pause && canStart) buttons.run.focus();
@@ -96,6 +97,7 @@ export function statusPanel({ run, pause, step, reset }) {
       if (point.step === 0 || energy.start === null) {
         energy = { start: point.total, now: point.total };
         pace = { steps: 0, spent: 0 };
+        enable();
       } else {
         energy.now = point.total;
       }
