@@ -75,7 +75,7 @@ const meshPanel = meshSection(byId("mesh-section"), {
   setSize: (axis, value) => client.command({ type: "set_size", axis, value }),
   prepare: (tool, values) => client.command({ type: "prepare", tool, values }),
 });
-const empty = emptyState({ openMesh: openMeshSection, repairAll, toPieces });
+const empty = emptyState({ openMesh: openMeshSection, repairAll, toPieces, cut: firstCut });
 const exports = exportMenu(save);
 const [surfaceView, flatView] = [document.querySelector(".view.surface"), document.querySelector(".view.flat")];
 const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"));
@@ -142,6 +142,7 @@ const handlers = {
   status(event) {
     preparing(event.state === "preparing" ? event.text : null);
     status.show(event);
+    explainEmpty();
     learn.update();
   },
   energy(event) {
@@ -260,9 +261,19 @@ function allow() {
     select.disabled = reason !== null;
     select.title = reason ?? "";
   }
-  if (reason !== null) empty.show("blocked", now.doctor?.repair_all.length > 0);
-  else empty.show(now.doctor?.shown ? "marked" : null);
+  explainEmpty();
   updateLegends();
+}
+
+/** Says why the flattened view has nothing to show, where it has not. */
+function explainEmpty() {
+  if (isBlocked()) empty.show("blocked", now.doctor?.repair_all.length > 0);
+  else if (now.doctor?.shown) empty.show("marked");
+  else empty.show(status.isUncut() ? "uncut" : null);
+}
+
+function firstCut() {
+  return changing("Making the first cut", { type: "reset" });
 }
 
 async function toPieces() {

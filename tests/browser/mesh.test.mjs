@@ -178,6 +178,21 @@ describe("meshes as they come", { timeout: 600_000 }, () => {
     await page.until("the faces after", () => page.counts(), (counts) => counts.faces === faces);
   });
 
+  it("keeps what was set for a tool when another mesh is opened", async () => {
+    const box = (tool, label) => page.meshSection("Prepare").getByRole("group", { name: tool, exact: true }).getByLabel(label, { exact: true });
+    const length = box("Remesh evenly", "Edge length");
+    await length.fill("1.5");
+    await length.press("Enter");
+    const faces = await box("Reduce", "Faces").inputValue();
+    await page.dropFile("coarser.obj", ellipsoid(2));
+    await opened("coarser.obj");
+    assert.equal(await length.inputValue(), "1.50", "what was set is gone");
+    assert.notEqual(await box("Reduce", "Faces").inputValue(), faces, "what was not set follows the mesh");
+    await page.press("Undo");
+    await opened("coarse.obj");
+    assert.equal(await length.inputValue(), "1.50", "what was set is gone");
+  });
+
   it("brings repairs, preparation and size back when the solver dies", async () => {
     const counts = await page.counts();
     const width = page.meshSection("Size").getByLabel("Width (x)", { exact: true });
@@ -190,6 +205,21 @@ describe("meshes as they come", { timeout: 600_000 }, () => {
     await page.until("a new worker", () => browser.page.workers()[0], (now) => now && now !== worker);
     await page.until("the same mesh", () => page.counts(), (now) => now.faces === counts.faces);
     await page.until("the same size", () => page.sizes(), ([x]) => isLength(x, 100));
+  });
+
+  it("can be told not to make the first cut, and makes it when it is run", async () => {
+    const [worker] = browser.page.workers();
+    await page.dropFile("large.obj", ellipsoid(6));
+    await opened("large.obj");
+    await browser.page.locator("#wait button").evaluate((cancel) => cancel.click());
+    // Cancel may come too late: then there is a cut.
+    await page.status(/^Ready(: not cut yet)?$/);
+    await page.until("nothing is waited for", () => browser.page.locator("#wait").isHidden(), Boolean);
+    for (const id of ["Run", "Step"]) assert.ok(await button(browser.page, id).isEnabled(), `${id} is off`);
+    await page.press("Step");
+    await page.status(/^Paused at step 1\b/);
+    assert.ok((await page.measure("Pieces")) >= 1, "there is a cut");
+    assert.equal(browser.page.workers()[0], worker, "the solver was started again");
   });
 
   it("opens the Mesh section from the header, and with the keyboard", async () => {

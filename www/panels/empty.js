@@ -2,7 +2,7 @@
 
 import { byId, h, icon } from "../dom.js";
 
-/** @param on `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()` */
+/** @param on `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()`, `cut()` makes the first cut */
 export function emptyState(on) {
   const host = byId("empty");
   const action = (label, run) => h("button", { class: "btn primary", onclick: run }, label);
@@ -22,6 +22,10 @@ export function emptyState(on) {
       icon("eye"),
       h("p", {}, "A finding is marked on the surface."),
       h("button", { class: "btn outlined", onclick: on.toPieces }, "Back to the pieces"),
+    ],
+    uncut: () => [
+      h("p", {}, "The mesh is not cut yet."),
+      h("button", { class: "btn outlined", onclick: on.cut }, "Make the first cut"),
     ],
   };
   let shown = "";

@@ -46,6 +46,9 @@ export function statusPanel({ run, pause, step, reset }) {
     return parts.join(", ");
   }
 
+  /** A mesh that is ready and was not cut has no energy yet. */
+  const isUncut = () => state === "ready" && energy.start === null;
+
   function enable() {
     const canStart = STARTABLE.includes(state) && blocked === null;
     // A button that the keyboard stands on hands the focus to the one that takes its place.
@@ -53,8 +56,8 @@ export function statusPanel({ run, pause, step, reset }) {
     buttons.run.disabled = !canStart;
     buttons.pause.disabled = state !== "running";
     buttons.step.disabled = !canStart;
-    // A mesh that was not cut has no energy yet: its start is still to be made.
-    const isAtStart = state === "ready" && at === 0 && energy.start !== null;
+    // The start of a mesh that was not cut is still to be made.
+    const isAtStart = state === "ready" && at === 0 && !isUncut();
     buttons.reset.disabled = isAtStart || !(canStart || (state === "running" && blocked === null));
     for (const [button, title] of titles) button.title = blocked ?? title;
     if (focused === buttons.run && state === "running") buttons.pause.focus();
@@ -85,6 +88,7 @@ export function statusPanel({ run, pause, step, reset }) {
       if (state === "error" && atRest) this.show(atRest);
     },
     state: () => state,
+    isUncut,
     step: () => at,
     /** Another mesh: its energies are yet to come. */
     clear() {
