@@ -37,8 +37,8 @@ enum Task {
     },
     /// Repairs a mesh and writes it as OBJ.
     Repair {
-        #[command(flatten)]
-        mesh: MeshArgs,
+        /// The mesh (OBJ, PLY, STL, OFF, GLB or glTF).
+        mesh: String,
         /// Only these repairs, in this order, by their identifiers as `info --json` lists them.
         #[arg(long, value_name = "ID", value_delimiter = ',')]
         only: Vec<String>,
@@ -250,19 +250,19 @@ fn short(x: f64) -> String {
     if is_plain { format!("{x:.6}") } else { format!("{x:.5e}") }
 }
 
-fn repair(mesh: &MeshArgs, only: &[String], output: &Path, report: &Report) -> Result<(), Problem> {
-    let document = open(&MeshArgs { mesh: mesh.mesh.clone(), repair: false })?;
+fn repair(mesh: &str, only: &[String], output: &Path, report: &Report) -> Result<(), Problem> {
+    let document = load(mesh)?;
     let mut session = Session::new();
     let settings = settings_for(&document);
-    let is_sound = document.surface.is_some();
+    let needs_repair = !document.examination.recommended().is_empty();
     tell(session.open_with(Ok(document), settings))?;
-    if only.is_empty() && !is_sound {
+    if only.is_empty() && needs_repair {
         tell(session.handle(Command::RepairAll))?;
     }
     for id in only {
         tell(session.handle(Command::Repair { id: id.clone() }))?;
     }
-    finish(&mut session, &mesh.mesh, output, report)
+    finish(&mut session, mesh, output, report)
 }
 
 fn prepare(args: &PrepareArgs) -> Result<(), Problem> {
@@ -452,12 +452,15 @@ fn warn_of_charts(layout: &Layout) {
 
 /// Opens a file or a sample, repaired if that is asked for.
 fn open(args: &MeshArgs) -> Result<Document, Problem> {
-    let mesh = &args.mesh;
-    let document = match mesh.strip_prefix("sample:") {
-        Some(name) => Document::from_sample(name)?,
-        None => Document::from_bytes(mesh, &read(Path::new(mesh))?)?,
-    };
+    let document = load(&args.mesh)?;
     if args.repair { document.repaired() } else { Ok(document) }
+}
+
+fn load(mesh: &str) -> Result<Document, Problem> {
+    match mesh.strip_prefix("sample:") {
+        Some(name) => Document::from_sample(name),
+        None => Document::from_bytes(mesh, &read(Path::new(mesh))?),
+    }
 }
 
 /// The first error among the events.

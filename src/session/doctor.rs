@@ -169,7 +169,7 @@ fn sentence(finding: &Finding) -> String {
             )
         }
         FindingKind::Slivers => format!(
-            "{}, very thin; the smallest angle is {}. Cuts are computed on better triangles of the same surface, but flat pieces may fold there: “Remesh evenly” mends that.",
+            "{}, very thin; the smallest angle is {}. Cuts are computed on better triangles of the same surface, but flat pieces may fold there: “Remesh evenly” helps.",
             some("sliver", "slivers"),
             degrees(worst)
         ),

@@ -9,7 +9,6 @@ use super::samples;
 use super::surface::Surface;
 use super::text::{Problem, capital, plural};
 use crate::geometry::doctor::{self, Examination};
-use crate::geometry::polygon;
 use crate::mesh::Soup;
 use crate::mesh::doctor::{FindingKind, Repair};
 use crate::mesh::read::{self, ReadNotice};
@@ -90,7 +89,7 @@ impl Document {
         check_polygons(name, &soup)?;
         let bounds = used_bounds(&soup);
         let examination = doctor::examine(&soup);
-        let (triangles, triangle_polygons, polygons) = triangulate(&soup);
+        let (triangles, triangle_polygons) = doctor::triangles(&soup);
         let soup = Rc::new(soup);
         let mut surface = None;
         super::doctor::refuse_hopeless(name, &examination)?;
@@ -106,6 +105,7 @@ impl Document {
             surface = Some(Surface::new(name, soup.clone(), outward, triangle_polygons.clone())?);
         }
         let mut notices = reading.clone();
+        let polygons = (0..soup.polygon_count()).filter(|&i| soup.polygon(i).len() > 3).count();
         if polygons > 0 {
             let text = format!("{} were divided into triangles.", plural(polygons, "polygon"));
             notices.push(NoticeText::new("polygons", polygons, text));
@@ -277,19 +277,4 @@ fn used_bounds(soup: &Soup) -> [[f64; 3]; 2] {
         }
     }
     bounds
-}
-
-/// The polygons in triangles, the polygon of each, and how many had to be divided.
-fn triangulate(soup: &Soup) -> (Vec<[u32; 3]>, Vec<u32>, usize) {
-    let mut triangles =
-        Vec::with_capacity(soup.corners.len().saturating_sub(2 * soup.polygon_count()));
-    let mut polygons = Vec::with_capacity(triangles.capacity());
-    let mut divided = 0;
-    for i in 0..soup.polygon_count() {
-        let corners = soup.polygon(i);
-        divided += usize::from(corners.len() > 3);
-        polygon::triangulate(&soup.positions, corners, &mut triangles);
-        polygons.resize(triangles.len(), u32::try_from(i).unwrap_or(u32::MAX));
-    }
-    (triangles, polygons, divided)
 }

@@ -18,6 +18,7 @@ mod params;
 mod picture;
 mod preparing;
 mod report;
+mod running;
 pub mod samples;
 pub mod scene;
 mod size;
@@ -29,9 +30,9 @@ mod work;
 use std::rc::Rc;
 
 use crate::methods::cutflow::CutFlow;
-use crate::methods::flow::{Flow, Status};
+use crate::methods::flow::Status;
 use preparing::Preparation;
-use work::{Snapshot, Work, energy_event, start_flow};
+use work::{Snapshot, Work, start_flow};
 
 pub use cut_file::{cut_from_json, surface_layout};
 pub use document::Document;
@@ -143,11 +144,12 @@ impl Session {
     pub fn advance(&mut self, go_on: &mut dyn FnMut() -> bool) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
         while self.is_running() {
-            let stepped = if self.first_cut_is_due() {
+            // A mesh that is being made anew needs no cut before.
+            let stepped = if self.preparation.is_some() {
+                self.prepare_on(&mut events)
+            } else if self.first_cut_is_due() {
                 self.make_first_cut(&mut events);
                 Ok(())
-            } else if self.preparation.is_some() {
-                self.prepare_on(&mut events)
             } else {
                 self.one_step(&mut events)
             };
@@ -190,11 +192,14 @@ impl Session {
         match start_flow(&work.document, &work.settings, None) {
             Ok(flow) => work.begin(flow),
             Err(problem) => {
-                // As with small meshes: opened all the same, with a notice.
-                if let Some(document) = Rc::get_mut(&mut work.document) {
-                    document.summary.notices.push(no_initial_cut(&problem));
-                    events.push(Event::Mesh(document.summary.clone()));
-                    events.extend(self.mesh_events());
+                // As with small meshes: opened all the same, with a notice. What Undo holds as well stays as it is.
+                match Rc::get_mut(&mut work.document) {
+                    Some(document) => {
+                        document.summary.notices.push(no_initial_cut(&problem));
+                        events.push(Event::Mesh(document.summary.clone()));
+                        events.extend(self.mesh_events());
+                    }
+                    None => events.push(error_event(problem)),
                 }
             }
         }
@@ -464,70 +469,6 @@ impl Session {
         Ok(())
     }
 
-    fn run(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        self.need_flow(events)?;
-        self.unmark(events);
-        if self.is_at_end() {
-            events.push(self.status());
-            return Ok(());
-        }
-        if !self.is_running {
-            let step = self.work.as_ref().map_or(0, Work::step);
-            self.remember(&format!("run from step {step}"), "run");
-        }
-        self.is_running = true;
-        events.push(self.history_event());
-        events.push(self.status());
-        Ok(())
-    }
-
-    fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        self.is_running = false;
-        if self.work.as_ref().is_some_and(|work| !work.is_settled) {
-            self.settle(events);
-        }
-        events.push(self.status());
-        events.push(Event::Scene);
-        Ok(())
-    }
-
-    fn step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        self.need_flow(events)?;
-        self.unmark(events);
-        self.is_running = false;
-        let has_ended =
-            |work: &Work| work.flow.as_ref().is_some_and(|f| f.status() != Status::Running);
-        if self.work.as_ref().is_some_and(has_ended) {
-            events.push(self.status());
-            return Ok(());
-        }
-        let step = self.work.as_ref().map_or(0, Work::step);
-        self.remember(&format!("step {}", step + 1), "step");
-        self.one_step(events)?;
-        self.is_running = false;
-        self.settle(events);
-        events.push(self.history_event());
-        events.push(self.status());
-        events.push(Event::Scene);
-        Ok(())
-    }
-
-    fn reset(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        self.is_running = false;
-        let Some(work) = &self.work else { return Err(nothing_open()) };
-        let flow = start_flow(&work.document, &work.settings, None)?;
-        self.remember("reset", "reset");
-        if let Some(work) = &mut self.work {
-            work.begin(flow);
-        }
-        self.push_energy(events);
-        self.settle(events);
-        events.push(self.history_event());
-        events.push(self.status());
-        events.push(Event::Scene);
-        Ok(())
-    }
-
     fn doctor_event(&self) -> Option<Event> {
         let work = self.work.as_ref()?;
         Some(Event::Doctor(doctor::report(&work.document, self.shown.as_deref())))
@@ -543,52 +484,6 @@ impl Session {
     fn size_event(&self) -> Option<Event> {
         let work = self.work.as_ref()?;
         Some(size::event(&work.document, &work.settings))
-    }
-
-    /// Whether Run has nothing left to do.
-    fn is_at_end(&self) -> bool {
-        self.work.as_ref().is_some_and(|work| {
-            let flow = work.flow.as_ref();
-            work.step() as f64 >= work.settings.number("steps")
-                || flow.is_some_and(|flow| flow.status() != Status::Running)
-        })
-    }
-
-    /// Sees to it that there is a cut to improve, or explains why there is none.
-    fn need_flow(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        if work.flow.is_some() {
-            return Ok(());
-        }
-        let flow = start_flow(&work.document, &work.settings, None)?;
-        work.begin(flow);
-        self.push_energy(events);
-        self.settle(events);
-        Ok(())
-    }
-
-    fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let Some(work) = &mut self.work else { return Ok(()) };
-        let limit = work.settings.number("steps");
-        let Some(flow) = &mut work.flow else {
-            self.is_running = false;
-            return Ok(());
-        };
-        let before = flow.steps();
-        let report = flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
-        if report.step > before {
-            let energy = flow.state().energy();
-            let weights = flow.params().weights;
-            let row = HistoryRow::new(report.step, &energy, &weights);
-            work.history.push(row);
-            work.is_settled = false;
-            self.scene_is_new = true;
-            events.push(energy_event(&row, &weights));
-        }
-        if report.status != Status::Running || report.step as f64 >= limit {
-            self.is_running = false;
-        }
-        Ok(())
     }
 
     /// Flattens the current cut whole.

@@ -497,6 +497,20 @@ fn a_large_mesh_is_shown_before_its_first_cut() {
         session.advance(&mut || false);
     }
     assert!(session.scene().unwrap().charts.iter().any(|x| x.is_finite()));
+    // A mesh too large to be cut in short time is reduced first.
+    let mut reduced = Session::new();
+    reduced.open("large.obj", text.as_bytes());
+    let values = BTreeMap::from([("faces".to_owned(), 4000.0)]);
+    reduced.handle(Command::Prepare { tool: "decimate".into(), values });
+    let mut first_energy = None;
+    while reduced.is_running() {
+        reduced.advance(&mut || false);
+        if !reduced.history().is_empty() {
+            first_energy.get_or_insert(reduced.info_report().unwrap().faces);
+        }
+    }
+    assert_eq!(first_energy, Some(reduced.info_report().unwrap().faces));
+    assert!(reduced.info_report().unwrap().faces <= 4000);
     // Whoever does not wait gets the cut all the same.
     let mut hasty = Session::new();
     hasty.open("large.obj", text.as_bytes());

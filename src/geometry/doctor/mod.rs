@@ -108,13 +108,15 @@ pub fn repair_all(soup: &Soup) -> (Soup, Vec<(Repair, usize)>) {
     (result, done)
 }
 
-/// The triangles of all polygons, one polygon after the other.
-pub fn triangles(soup: &Soup) -> Vec<[u32; 3]> {
-    let mut triangles = Vec::with_capacity(soup.corners.len());
+/// The triangles of all polygons, one polygon after the other, and the polygon of each.
+pub fn triangles(soup: &Soup) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let count = soup.corners.len().saturating_sub(2 * soup.polygon_count());
+    let (mut triangles, mut polygons) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for i in 0..soup.polygon_count() {
         super::polygon::triangulate(&soup.positions, soup.polygon(i), &mut triangles);
+        polygons.resize(triangles.len(), u32::try_from(i).unwrap_or(u32::MAX));
     }
-    triangles
+    (triangles, polygons)
 }
 
 /// Whether nothing is left to be done that must be done.
@@ -128,5 +130,5 @@ fn is_sound(soup: &Soup, drops_flat: bool) -> bool {
 
 /// Whether the triangles of the polygons make a [`Mesh`].
 fn makes_a_mesh(soup: &Soup) -> bool {
-    Mesh::new(soup.positions.len(), &triangles(soup)).is_ok()
+    Mesh::new(soup.positions.len(), &triangles(soup).0).is_ok()
 }

@@ -98,7 +98,7 @@ impl Random {
 }
 
 fn is_mesh(soup: &Soup) -> bool {
-    Mesh::new(soup.positions.len(), &triangles(soup)).is_ok()
+    Mesh::new(soup.positions.len(), &triangles(soup).0).is_ok()
 }
 
 fn count(examination: &Examination, kind: FindingKind) -> usize {

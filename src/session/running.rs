@@ -1,0 +1,120 @@
+//! Driving the flow: run, pause, step, reset, and the steps themselves.
+
+use super::message::Event;
+use super::report::HistoryRow;
+use super::text::Problem;
+use super::work::{Work, energy_event, start_flow};
+use super::{Session, nothing_open};
+use crate::methods::flow::{Flow, Status};
+
+impl Session {
+    pub(super) fn run(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        self.need_flow(events)?;
+        self.unmark(events);
+        if self.is_at_end() {
+            events.push(self.status());
+            return Ok(());
+        }
+        if !self.is_running {
+            let step = self.work.as_ref().map_or(0, Work::step);
+            self.remember(&format!("run from step {step}"), "run");
+        }
+        self.is_running = true;
+        events.push(self.history_event());
+        events.push(self.status());
+        Ok(())
+    }
+
+    pub(super) fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        self.is_running = false;
+        if self.work.as_ref().is_some_and(|work| !work.is_settled) {
+            self.settle(events);
+        }
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    pub(super) fn step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        self.need_flow(events)?;
+        self.unmark(events);
+        self.is_running = false;
+        let has_ended =
+            |work: &Work| work.flow.as_ref().is_some_and(|f| f.status() != Status::Running);
+        if self.work.as_ref().is_some_and(has_ended) {
+            events.push(self.status());
+            return Ok(());
+        }
+        let step = self.work.as_ref().map_or(0, Work::step);
+        self.remember(&format!("step {}", step + 1), "step");
+        self.one_step(events)?;
+        self.is_running = false;
+        self.settle(events);
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    pub(super) fn reset(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        self.is_running = false;
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let flow = start_flow(&work.document, &work.settings, None)?;
+        self.remember("reset", "reset");
+        if let Some(work) = &mut self.work {
+            work.begin(flow);
+        }
+        self.push_energy(events);
+        self.settle(events);
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    /// Whether Run has nothing left to do.
+    fn is_at_end(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| {
+            let flow = work.flow.as_ref();
+            work.step() as f64 >= work.settings.number("steps")
+                || flow.is_some_and(|flow| flow.status() != Status::Running)
+        })
+    }
+
+    /// Sees to it that there is a cut to improve, or explains why there is none.
+    fn need_flow(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        if work.flow.is_some() {
+            return Ok(());
+        }
+        let flow = start_flow(&work.document, &work.settings, None)?;
+        work.begin(flow);
+        self.push_energy(events);
+        self.settle(events);
+        Ok(())
+    }
+
+    pub(super) fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Ok(()) };
+        let limit = work.settings.number("steps");
+        let Some(flow) = &mut work.flow else {
+            self.is_running = false;
+            return Ok(());
+        };
+        let before = flow.steps();
+        let report = flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
+        if report.step > before {
+            let energy = flow.state().energy();
+            let weights = flow.params().weights;
+            let row = HistoryRow::new(report.step, &energy, &weights);
+            work.history.push(row);
+            work.is_settled = false;
+            self.scene_is_new = true;
+            events.push(energy_event(&row, &weights));
+        }
+        if report.status != Status::Running || report.step as f64 >= limit {
+            self.is_running = false;
+        }
+        Ok(())
+    }
+}
