@@ -77,6 +77,9 @@ pub enum SolveError {
     /// Both distortion weights are zero, so that nothing opposes the length term.
     #[error("both distortion weights are 0")]
     NoEnergy,
+    /// A surface that is heated nowhere has no temperature to even out.
+    #[error("the heat source is 0 everywhere")]
+    NoSource,
     /// The iteration left the range of numbers.
     #[error("the energy is not finite")]
     NotFinite,

@@ -317,11 +317,13 @@ impl Settings {
                 dirichlet: self.number("dirichlet"),
                 hencky: self.number("hencky"),
                 length: self.number("length"),
+                ..Weights::default()
             },
             cap: self.number("cap"),
             kick: self.number("kick"),
             seed: self.number("seed") as u64,
             tolerance: self.number("tolerance"),
+            ..CutFlowParams::default()
         }
     }
 

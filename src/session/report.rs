@@ -160,8 +160,8 @@ impl InfoReport {
 impl HistoryRow {
     /// Of an energy after a step.
     pub fn new(step: usize, energy: &Energy, weights: &Weights) -> Self {
-        let distortion = weights.dirichlet * energy.dirichlet + weights.hencky * energy.hencky;
-        let total = distortion + weights.length * energy.length;
+        let distortion = weights.distortion(energy);
+        let total = weights.total(energy);
         Self { step, distortion, length: energy.length, total, energy: *energy }
     }
 

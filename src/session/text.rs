@@ -144,6 +144,11 @@ impl Problem {
                 "Weights.",
                 "Give the Hencky or the Dirichlet distortion a weight.",
             ),
+            SolveError::NoSource => Self::new(
+                "The surface is heated nowhere: there is nothing for the cut to cool.",
+                format!("{name}, heat source."),
+                "Paint where the heat is, or raise the heat of the rest.",
+            ),
             SolveError::Linalg(LinalgError::NotPositiveDefinite { .. }) => Self::new(
                 "The distortion cannot be computed: the surface is too degenerate.",
                 format!("{name}, along the cut."),

@@ -65,7 +65,7 @@ fn factorisation(mesh: &Mesh, geometry: &Geometry, repeats: usize) -> f64 {
 }
 
 fn params(dirichlet: f64, hencky: f64) -> CutFlowParams {
-    let weights = Weights { dirichlet, hencky, length: 2.0 };
+    let weights = Weights { dirichlet, hencky, length: 2.0, ..Weights::default() };
     CutFlowParams { weights, ..CutFlowParams::default() }
 }
 

@@ -795,7 +795,7 @@ fn the_preview_of_a_running_flow_is_the_full_flattening_and_moves_gently() {
     let geometry = Geometry::new(&mesh, p).unwrap();
     let start = Initial::NormalClusters { angle: PI / 3.0, regions: 10 };
     let params = CutFlowParams {
-        weights: Weights { dirichlet: 0.0, hencky: 3000.0, length: 2.0 },
+        weights: Weights { hencky: 3000.0, length: 2.0, ..Weights::default() },
         ..CutFlowParams::default()
     };
     let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &start, params).unwrap();

@@ -236,7 +236,11 @@ impl LevelSets {
                 };
                 result.entry_labels.push(label);
                 result.values.push(value);
-                response.rows.push(places.row(problem, cut, &slopes, v, label, inside, &nearest));
+                let mut row = places.row(problem, cut, &slopes, v, label, inside, &nearest);
+                if let Some(pin) = problem.pins.get(v.index()) {
+                    row.iter_mut().for_each(|(_, coefficient)| *coefficient *= 1.0 - pin);
+                }
+                response.rows.push(row);
             }
         }
         result.starts.push(result.values.len() as u32);

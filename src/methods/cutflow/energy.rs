@@ -1,48 +1,34 @@
 //! The objective on a given cut, its exact derivative with respect to the crossings, and the linear algebra of both.
 //!
-//! J = w_D uᵀAu + w_H uᵀMu + α |γ| with A u = f on every patch, u = 0 on cut and boundary. Cut points carry u = 0 and drop
-//! out: **the unknowns are always the original vertices**, the matrix pattern is that of the mesh's Laplacian (entries
-//! between patches become zero), and one symbolic analysis serves the whole run.
+//! J = w_D uᵀAu + w_H ∫b(u) + α |γ| + w_η ∫_γ η − w_A |P₀| with A u = f on every patch, u = 0 on cut and boundary. Cut points carry
+//! u = 0 and drop out: **the unknowns are always the original vertices**, the matrix pattern is that of the mesh's Laplacian
+//! (entries between patches become zero), and one symbolic analysis serves the whole run.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use nalgebra::Vector2;
 
-use super::cut::{Corner, CrossedFace, Cut, FacePoints, Frames};
+use super::cut::{Corner, CrossedFace, Cut, FacePoints, Frames, NONE, Node, Segment};
+use super::metric::dot;
+use super::terms::{CutFields, Energy, Pointwise, Source, Weights};
 use crate::geometry::{Geometry, Laplacian, face_curvatures};
 use crate::linalg::{Analysis, Factor, LinalgError};
-use crate::mesh::{Mesh, VertexId};
-
-/// Weights of the objective, for a surface of unit area.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
-    /// w_D of ∫|∇u|².
-    pub dirichlet: f64,
-    /// w_H of ∫u².
-    pub hencky: f64,
-    /// α of the cut's length.
-    pub length: f64,
-}
-
-/// The objective and its terms (unweighted).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energy {
-    /// J.
-    pub total: f64,
-    /// Σ ∫|∇u|².
-    pub dirichlet: f64,
-    /// Σ ∫u².
-    pub hencky: f64,
-    /// |γ|.
-    pub length: f64,
-}
+use crate::mesh::{FaceId, Mesh, VertexId};
 
 /// Everything that does not change while the cut moves.
 pub(super) struct Problem {
     pub mesh: Mesh,
     pub geometry: Geometry,
     pub frames: Frames,
-    pub face_curvatures: Vec<f64>,
+    /// K of every face.
+    pub face_sources: Vec<f64>,
+    /// η of every vertex, or empty.
+    pub penalty: Vec<f64>,
+    /// How far each vertex holds the cut, from 0 to 1, or empty.
+    pub pins: Vec<f64>,
+    /// r³ of every face, or empty while it is not asked for.
+    scales: Vec<f64>,
     pub analysis: Arc<Analysis>,
     edge_slots: Vec<u32>,
     /// A and f of the uncut surface, boundary vertices eliminated.
@@ -71,16 +57,8 @@ pub(super) struct Solution {
 impl Problem {
     pub fn new(mesh: Mesh, geometry: Geometry) -> Result<Self, LinalgError> {
         let laplacian = Laplacian::new(&mesh, &geometry);
-        let face_curvatures = face_curvatures(&mesh, &geometry);
         let is_boundary: Vec<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
         let Laplacian { pattern, edge_slots, values: mut base_values } = laplacian;
-        let mut base_rhs = vec![0.0; mesh.vertex_count()];
-        for f in mesh.faces() {
-            let share = face_curvatures[f.index()] * geometry.face_areas[f.index()] / 3.0;
-            for v in mesh.face_vertices(f) {
-                base_rhs[v.index()] -= share;
-            }
-        }
         for e in mesh.edges() {
             if mesh.edge_vertices(e).iter().any(|v| is_boundary[v.index()]) {
                 base_values[edge_slots[e.index()] as usize] = 0.0;
@@ -100,11 +78,14 @@ impl Problem {
             mesh,
             geometry,
             frames,
-            face_curvatures,
+            face_sources: Vec::new(),
+            penalty: Vec::new(),
+            pins: Vec::new(),
+            scales: Vec::new(),
             analysis,
             edge_slots,
             base_values,
-            base_rhs,
+            base_rhs: Vec::new(),
             is_boundary,
             inert,
             face_components: topology.face_components,
@@ -115,14 +96,58 @@ impl Problem {
                 problem.pin(v);
             }
         }
+        problem.set_fields(&CutFields::default());
         Ok(problem)
+    }
+
+    /// Puts sources and penalties in force. Their shapes have been checked.
+    pub fn set_fields(&mut self, fields: &CutFields) {
+        let mesh = &self.mesh;
+        let areas = &self.geometry.face_areas;
+        self.penalty.clone_from(&fields.penalty);
+        self.pins.clone_from(&fields.pins);
+        self.face_sources = match &fields.source {
+            Source::Curvature => face_curvatures(mesh, &self.geometry),
+            Source::Uniform => vec![4.0 * PI / self.geometry.total_area(); mesh.face_count()],
+            Source::Heat(density) => {
+                let means: Vec<f64> = mesh
+                    .triangles()
+                    .iter()
+                    .map(|t| t.iter().map(|v| density[v.index()]).sum::<f64>() / 3.0)
+                    .collect();
+                let total: f64 = means.iter().zip(areas).map(|(m, a)| m * a).sum();
+                means.iter().map(|m| 4.0 * PI * m / total).collect()
+            }
+        };
+        self.base_rhs = vec![0.0; mesh.vertex_count()];
+        for f in mesh.faces() {
+            let share = self.face_sources[f.index()] * areas[f.index()] / 3.0;
+            for v in mesh.face_vertices(f) {
+                self.base_rhs[v.index()] -= share;
+            }
+        }
+        for v in mesh.vertices() {
+            if self.is_pinned(v) || mesh.halfedge(v).is_none() {
+                self.base_rhs[v.index()] = 0.0;
+            }
+        }
+    }
+
+    /// Computes r³ if it is asked for and was not yet.
+    pub fn prepare_rescaling(&mut self, weights: &Weights) -> Result<(), LinalgError> {
+        if weights.rescaled && self.scales.is_empty() {
+            self.scales = feature_scales(&self.mesh, &self.geometry, &self.analysis)?;
+        }
+        Ok(())
     }
 
     /// Makes a vertex's equation u = 0. Its off-diagonal entries must be zero already or be zeroed by the caller.
     fn pin(&mut self, v: VertexId) {
         let slot = self.analysis.pattern().diagonal(v.index());
         self.base_values[slot] = 1.0;
-        self.base_rhs[v.index()] = 0.0;
+        if let Some(x) = self.base_rhs.get_mut(v.index()) {
+            *x = 0.0;
+        }
     }
 
     /// Takes the closed components that a cut leaves whole out of the problem: on them Δu = −K has no solution with u = 0
@@ -165,7 +190,16 @@ impl Problem {
     }
 
     /// A and f on the cut surface: those of the uncut one with the crossed faces' parts replaced.
-    fn assemble(&self, cut: &Cut, values: &mut Vec<f64>, rhs: &mut Vec<f64>) {
+    ///
+    /// With one side only, nothing drives u on the other: u = 0 there, and it costs nothing.
+    fn assemble(
+        &self,
+        cut: &Cut,
+        labels: &[u32],
+        weights: &Weights,
+        values: &mut Vec<f64>,
+        rhs: &mut Vec<f64>,
+    ) {
         values.clone_from(&self.base_values);
         rhs.clone_from(&self.base_rhs);
         let pattern = self.analysis.pattern();
@@ -175,7 +209,7 @@ impl Problem {
             let free = vertices.map(|v| !self.is_pinned(v));
             let halfedges = self.mesh.face_halfedges(f);
             let cotangents = self.geometry.corner_cotangents[f.index()];
-            let curvature = self.face_curvatures[f.index()];
+            let curvature = self.face_sources[f.index()];
             for i in 0..3 {
                 let j = (i + 1) % 3;
                 let weight = 0.5 * cotangents[(i + 2) % 3];
@@ -226,6 +260,13 @@ impl Problem {
         for crossing in &cut.crossings {
             values[self.edge_slots[crossing.edge.index()] as usize] = 0.0;
         }
+        if weights.one_sided {
+            for (f, &label) in rhs.iter_mut().zip(labels) {
+                if label != 0 {
+                    *f = 0.0;
+                }
+            }
+        }
     }
 
     /// Calls `visit` for every (sub-)triangle with its weighted area and the values of u at its corners (0 on the cut); corners that
@@ -236,18 +277,12 @@ impl Problem {
         u: &[f64],
         mut visit: impl FnMut(f64, [f64; 3], [Option<VertexId>; 3]),
     ) {
-        let mut next_crossed = cut.faces.iter().peekable();
-        for f in self.mesh.faces() {
-            let vertices = self.mesh.face_vertices(f);
-            if next_crossed.peek().is_none_or(|c| c.face != f) {
-                visit(
-                    self.geometry.face_areas[f.index()],
-                    vertices.map(|v| u[v.index()]),
-                    vertices.map(Some),
-                );
-                continue;
-            }
-            let Some(crossed) = next_crossed.next() else { continue };
+        self.for_faces(cut, |f, vertices, crossed| {
+            let Some(crossed) = crossed else {
+                let area = self.geometry.face_areas[f.index()];
+                visit(area, vertices.map(|v| u[v.index()]), vertices.map(Some));
+                return;
+            };
             let points = cut.face_points(&self.mesh, &self.frames, crossed);
             for (triangle, weight) in points.weighted_triangles(crossed.lone) {
                 let at = triangle.map(|corner| match corner {
@@ -260,7 +295,103 @@ impl Problem {
                     at,
                 );
             }
+        });
+    }
+
+    /// Calls `visit` for every face in order, with what the cut does there.
+    fn for_faces(
+        &self,
+        cut: &Cut,
+        mut visit: impl FnMut(FaceId, [VertexId; 3], Option<&CrossedFace>),
+    ) {
+        let mut next_crossed = cut.faces.iter().peekable();
+        for f in self.mesh.faces() {
+            let crossed = next_crossed.next_if(|c| c.face == f);
+            visit(f, self.mesh.face_vertices(f), crossed);
         }
+    }
+
+    /// Area of region 0.
+    fn area(&self, cut: &Cut, labels: &[u32]) -> f64 {
+        let mut area = 0.0;
+        self.for_faces(cut, |f, vertices, crossed| {
+            let inside = vertices.map(|v| labels[v.index()] == 0);
+            match crossed {
+                None if inside[0] => area += self.geometry.face_areas[f.index()],
+                Some(crossed) if inside.contains(&true) => {
+                    let points = cut.face_points(&self.mesh, &self.frames, crossed);
+                    for (triangle, _) in points.triangles(crossed.lone) {
+                        if is_inside(triangle, inside) {
+                            area += points.area(triangle);
+                        }
+                    }
+                }
+                _ => {}
+            }
+        });
+        area
+    }
+
+    /// A_a u for the stiffness of ∫r³|∇u|².
+    fn rescaled_stiffness(&self, cut: &Cut, u: &[f64]) -> Vec<f64> {
+        let mut result = vec![0.0; u.len()];
+        self.for_faces(cut, |f, vertices, crossed| {
+            let scale = self.scales[f.index()];
+            let Some(crossed) = crossed else {
+                for i in 0..3 {
+                    let (a, b) = (vertices[i].index(), vertices[(i + 1) % 3].index());
+                    let cotangent = self.geometry.corner_cotangents[f.index()][(i + 2) % 3];
+                    let flow = 0.5 * scale * cotangent * (u[a] - u[b]);
+                    result[a] += flow;
+                    result[b] -= flow;
+                }
+                return;
+            };
+            let points = cut.face_points(&self.mesh, &self.frames, crossed);
+            for (triangle, _) in points.triangles(crossed.lone) {
+                let element = Element::new(&points, triangle);
+                let value = |corner| match corner {
+                    Corner::Vertex(i) => u[vertices[i].index()],
+                    _ => 0.0,
+                };
+                let gradient = element.gradient(triangle.map(value));
+                for (corner, hat) in triangle.into_iter().zip(&element.gradients) {
+                    if let Corner::Vertex(i) = corner {
+                        result[vertices[i].index()] += scale * element.area * hat.dot(&gradient);
+                    }
+                }
+            }
+        });
+        for v in self.mesh.vertices() {
+            if self.is_pinned(v) {
+                result[v.index()] = 0.0;
+            }
+        }
+        result
+    }
+
+    /// η at the crossings; empty where there is none.
+    fn crossing_penalties(&self, cut: &Cut) -> Vec<f64> {
+        if self.penalty.is_empty() {
+            return Vec::new();
+        }
+        let at = |v: VertexId| self.penalty[v.index()];
+        cut.crossings
+            .iter()
+            .map(|c| {
+                let [a, b] = self.mesh.edge_vertices(c.edge).map(at);
+                a + (b - a) * c.t
+            })
+            .collect()
+    }
+
+    /// ∫_γ η.
+    fn penalty_of(&self, cut: &Cut) -> f64 {
+        let at = self.crossing_penalties(cut);
+        if at.is_empty() {
+            return 0.0;
+        }
+        cut.segments.iter().map(|s| s.length * mean_penalty(cut, &at, s.ends)).sum()
     }
 
     /// Solves for u on a cut and measures J; memory of `old` is reused.
@@ -269,18 +400,19 @@ impl Problem {
     pub fn solve(
         &self,
         cut: &Cut,
+        labels: &[u32],
         weights: &Weights,
         old: Option<Solution>,
     ) -> Result<Solution, LinalgError> {
         let mut solution = match old {
             Some(mut solution) => {
-                self.assemble(cut, &mut solution.values, &mut solution.rhs);
+                self.assemble(cut, labels, weights, &mut solution.values, &mut solution.rhs);
                 solution.factor.refactor(&solution.values)?;
                 solution
             }
             None => {
                 let (mut values, mut rhs) = (Vec::new(), Vec::new());
-                self.assemble(cut, &mut values, &mut rhs);
+                self.assemble(cut, labels, weights, &mut values, &mut rhs);
                 let factor = Factor::new(self.analysis.clone(), &values)?;
                 let (u, scratch) = (Vec::new(), Vec::new());
                 let energy = Energy::default();
@@ -289,8 +421,6 @@ impl Problem {
         };
         solution.u.clone_from(&solution.rhs);
         solution.factor.solve(&mut solution.u, 1);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let dirichlet = dot(&solution.u, &solution.rhs);
         solution.scratch.resize(solution.u.len(), 0.0);
         self.analysis.pattern().multiply(&solution.values, &solution.u, &mut solution.scratch);
         let (mut error, mut size) = (0.0f64, 1e-300f64);
@@ -299,25 +429,42 @@ impl Problem {
             size = size.max(b.abs());
         }
         solution.residual = error / size;
-        let mut hencky = 0.0;
-        self.for_elements(cut, &solution.u, |area, [a, b, c], _| {
-            hencky += area / 6.0 * (a * a + b * b + c * c + a * b + b * c + c * a);
+        let u = &solution.u;
+        let mut energy = Energy {
+            dirichlet: dot(u, &solution.rhs),
+            length: cut.length,
+            penalty: self.penalty_of(cut),
+            ..Energy::default()
+        };
+        let b = weights.pointwise;
+        let is_square = b == Pointwise::Square;
+        self.for_elements(cut, u, |area, values, _| {
+            energy.hencky += area * Pointwise::Square.mean(values).0;
+            if !is_square {
+                energy.pointwise += area * b.mean(values).0;
+            }
         });
-        let total =
-            weights.dirichlet * dirichlet + weights.hencky * hencky + weights.length * cut.length;
-        solution.energy = Energy { total, dirichlet, hencky, length: cut.length };
+        if weights.rescaled {
+            energy.rescaled = dot(u, &self.rescaled_stiffness(cut, u));
+        }
+        if weights.area > 0.0 {
+            energy.area = self.area(cut, labels);
+        }
+        energy.total = weights.total(&energy);
+        solution.energy = energy;
         Ok(solution)
     }
 
     /// dJ/dt for every crossing: exact for the discrete J.
     ///
-    /// With q = 2 w_D u + A⁻¹(2 w_H M u) the Lagrangian J − qᵀ(A u − f) has the same derivative as J, and every sub-triangle
+    /// With the adjoint q the Lagrangian J − qᵀ(A u − f) has the same derivative as J, and every sub-triangle
     /// pulls at its corners with a force that is a polynomial of gradients. **From** [VSC] Table 1 in its discrete form.
     /// **Differs**: the paper recovers a flux on the cut and squares it; differentiating the discrete J instead makes the
-    /// predicted decrease the true one. **Costs** one solve if w_H > 0.
+    /// predicted decrease the true one. **Costs** one solve if w_H > 0 or energies are rescaled.
     pub fn crossing_forces(
         &self,
         cut: &Cut,
+        labels: &[u32],
         weights: &Weights,
         solution: &mut Solution,
         forces: &mut Vec<f64>,
@@ -325,6 +472,8 @@ impl Problem {
         forces.clear();
         forces.resize(cut.crossings.len(), 0.0);
         let adjoint = self.adjoint(cut, weights, solution);
+        let penalties =
+            if weights.penalty > 0.0 { self.crossing_penalties(cut) } else { Vec::new() };
         let u = &solution.u;
         for crossed in &cut.faces {
             let vertices = self.mesh.face_vertices(crossed.face);
@@ -346,26 +495,37 @@ impl Problem {
                     _ => 0.0,
                 })
             };
+            let stiffness = weights.dirichlet
+                * if weights.rescaled { self.scales[crossed.face.index()] } else { 1.0 };
+            let inside = vertices.map(|v| labels[v.index()] == 0);
             for (triangle, _) in points.triangles(crossed.lone) {
                 let element = Element::new(&points, triangle);
                 let (u, q) = (value(u, triangle), value(&adjoint, triangle));
-                pull(triangle, element.stiffness_forces(u, q, weights.dirichlet));
+                pull(triangle, element.stiffness_forces(u, q, stiffness));
             }
-            let curvature = self.face_curvatures[crossed.face.index()];
+            let curvature = self.face_sources[crossed.face.index()];
             for (triangle, weight) in points.weighted_triangles(crossed.lone) {
                 let element = Element::new(&points, triangle);
                 let (u, q) = (value(u, triangle), value(&adjoint, triangle));
-                pull(triangle, element.mass_forces(u, q, weights.hencky, curvature, weight));
+                let mut pressure = weights.hencky * weights.pointwise.mean(u).0
+                    - curvature / 3.0 * q.iter().sum::<f64>();
+                if is_inside(triangle, inside) {
+                    pressure -= weights.area;
+                }
+                pull(triangle, element.mass_forces(weight * pressure));
             }
-            self.add_length_forces(
-                crossed,
-                &points,
-                weights.length,
-                &mut side_forces,
-                &mut centre_force,
-            );
+            let count = if crossed.lone == 3 { 3 } else { 1 };
+            let mut tensions = [weights.length; 3];
+            if !penalties.is_empty() {
+                for (i, tension) in tensions.iter_mut().enumerate().take(count) {
+                    let segment = &cut.segments[crossed.first_segment as usize + i];
+                    *tension += weights.penalty * mean_penalty(cut, &penalties, segment.ends);
+                    self.add_penalty_forces(cut, weights.penalty, segment, forces);
+                }
+            }
+            add_tensions(crossed, &points, tensions, &mut side_forces, &mut centre_force);
             for (i, h) in self.mesh.face_halfedges(crossed.face).into_iter().enumerate() {
-                if crossed.crossings[i] == super::cut::NONE {
+                if crossed.crossings[i] == NONE {
                     continue;
                 }
                 let mut force = side_forces[i];
@@ -379,42 +539,39 @@ impl Problem {
         }
     }
 
-    /// α × unit segment vectors.
-    fn add_length_forces(
-        &self,
-        crossed: &CrossedFace,
-        points: &FacePoints,
-        weight: f64,
-        side_forces: &mut [Vector2<f64>; 3],
-        centre_force: &mut Vector2<f64>,
-    ) {
-        let pull = |from: Vector2<f64>, to: Vector2<f64>| {
-            (to - from).try_normalize(1e-300).unwrap_or_else(Vector2::zeros) * weight
+    /// How ∫η along a segment changes as its ends slide to other values of η.
+    fn add_penalty_forces(&self, cut: &Cut, weight: f64, segment: &Segment, forces: &mut [f64]) {
+        let mut slide = |c: u32, share: f64| {
+            let [a, b] = self.mesh.edge_vertices(cut.crossings[c as usize].edge);
+            let slope = self.penalty[b.index()] - self.penalty[a.index()];
+            forces[c as usize] += weight * 0.5 * segment.length * share * slope;
         };
-        if crossed.lone == 3 {
-            for i in 0..3 {
-                let force = pull(points.centre, points.sides[i]);
-                side_forces[i] += force;
-                *centre_force -= force;
+        for end in segment.ends {
+            match end {
+                Node::Crossing(c) => slide(c, 1.0),
+                Node::Centre(m) => {
+                    let face = &cut.faces[cut.centres[m as usize] as usize];
+                    face.crossings.into_iter().for_each(|c| slide(c, 1.0 / 3.0));
+                }
             }
-        } else {
-            let (x, z) = (crossed.lone as usize, (crossed.lone as usize + 2) % 3);
-            let force = pull(points.sides[x], points.sides[z]);
-            side_forces[z] += force;
-            side_forces[x] -= force;
         }
     }
 
-    /// q = 2 w_D u + A⁻¹(2 w_H M u).
-    fn adjoint(&self, cut: &Cut, weights: &Weights, solution: &mut Solution) -> Vec<f64> {
-        let mut q = vec![0.0; solution.u.len()];
+    /// q with A q = 2 w_D A_a u + w_H ∫b′(u); where nothing is rescaled the first part is 2 w_D u without a solve.
+    pub fn adjoint(&self, cut: &Cut, weights: &Weights, solution: &mut Solution) -> Vec<f64> {
+        let mut q = if weights.rescaled && weights.dirichlet > 0.0 {
+            let mut q = self.rescaled_stiffness(cut, &solution.u);
+            q.iter_mut().for_each(|q| *q *= 2.0 * weights.dirichlet);
+            q
+        } else {
+            vec![0.0; solution.u.len()]
+        };
         if weights.hencky > 0.0 {
-            let u = std::mem::take(&mut solution.u);
-            self.for_elements(cut, &u, |area, values, vertices| {
-                let sum: f64 = values.iter().sum();
-                for (value, vertex) in values.iter().zip(vertices) {
+            self.for_elements(cut, &solution.u, |area, values, vertices| {
+                let (_, slopes) = weights.pointwise.mean(values);
+                for (slope, vertex) in slopes.into_iter().zip(vertices) {
                     if let Some(v) = vertex {
-                        q[v.index()] += weights.hencky * area / 6.0 * (sum + value);
+                        q[v.index()] += weights.hencky * area * slope;
                     }
                 }
             });
@@ -423,14 +580,90 @@ impl Problem {
                     q[v.index()] = 0.0;
                 }
             }
-            solution.u = u;
+        }
+        if weights.hencky > 0.0 || weights.rescaled {
             solution.factor.solve(&mut q, 1);
         }
-        for (q, u) in q.iter_mut().zip(&solution.u) {
-            *q += 2.0 * weights.dirichlet * u;
+        if !weights.rescaled {
+            for (q, u) in q.iter_mut().zip(&solution.u) {
+                *q += 2.0 * weights.dirichlet * u;
+            }
         }
         q
     }
+}
+
+/// Whether a sub-triangle lies in region 0, told by the labels of the face's corners.
+fn is_inside(triangle: [Corner; 3], inside: [bool; 3]) -> bool {
+    triangle.into_iter().any(|corner| matches!(corner, Corner::Vertex(i) if inside[i]))
+}
+
+/// Mean of η along a segment. **Takes** η at the crossings.
+fn mean_penalty(cut: &Cut, at: &[f64], ends: [Node; 2]) -> f64 {
+    let [a, b] = ends.map(|end| match end {
+        Node::Crossing(c) => at[c as usize],
+        Node::Centre(m) => {
+            let face = &cut.faces[cut.centres[m as usize] as usize];
+            face.crossings.iter().map(|&c| at[c as usize]).sum::<f64>() / 3.0
+        }
+    });
+    0.5 * (a + b)
+}
+
+/// The pull of the segments of a face on its points: tension × unit vectors.
+fn add_tensions(
+    crossed: &CrossedFace,
+    points: &FacePoints,
+    tensions: [f64; 3],
+    side_forces: &mut [Vector2<f64>; 3],
+    centre_force: &mut Vector2<f64>,
+) {
+    let pull = |from: Vector2<f64>, to: Vector2<f64>, tension: f64| {
+        (to - from).try_normalize(1e-300).unwrap_or_else(Vector2::zeros) * tension
+    };
+    if crossed.lone == 3 {
+        for i in 0..3 {
+            let force = pull(points.centre, points.sides[i], tensions[i]);
+            side_forces[i] += force;
+            *centre_force -= force;
+        }
+    } else {
+        let (x, z) = (crossed.lone as usize, (crossed.lone as usize + 2) % 3);
+        let force = pull(points.sides[x], points.sides[z], tensions[0]);
+        side_forces[z] += force;
+        side_forces[x] -= force;
+    }
+}
+
+/// Smoothing of the feature size, for a surface of unit area.
+const FEATURE_SMOOTHING: f64 = 0.02;
+
+/// r³ of every face, r the intrinsic feature size: (M + c L) r = M r⁰, r⁰ = 1/(√|K| + 1).
+///
+/// **From** [VSC] 3.5.1, eq. 25. The largest feature size is 1, the side of a square of the surface's area.
+fn feature_scales(
+    mesh: &Mesh,
+    geometry: &Geometry,
+    analysis: &Arc<Analysis>,
+) -> Result<Vec<f64>, LinalgError> {
+    let areas = geometry.vertex_dual_areas(mesh);
+    let curvatures = face_curvatures(mesh, geometry);
+    let mut sizes = vec![0.0; mesh.vertex_count()];
+    for f in mesh.faces() {
+        let size = 1.0 / (curvatures[f.index()].abs().sqrt() + 1.0);
+        for v in mesh.face_vertices(f) {
+            sizes[v.index()] += size * geometry.face_areas[f.index()] / 3.0;
+        }
+    }
+    let Laplacian { pattern, mut values, .. } = Laplacian::new(mesh, geometry);
+    values.iter_mut().for_each(|value| *value *= FEATURE_SMOOTHING);
+    for (v, area) in areas.iter().enumerate() {
+        // Isolated vertices have no area and take no part.
+        values[pattern.diagonal(v)] += if *area > 0.0 { *area } else { 1.0 };
+    }
+    Factor::new(analysis.clone(), &values)?.solve(&mut sizes, 1);
+    let mean = |t: &[VertexId; 3]| t.iter().map(|v| sizes[v.index()]).sum::<f64>() / 3.0;
+    Ok(mesh.triangles().iter().map(|t| mean(t).powi(3)).collect())
 }
 
 impl Solution {
@@ -463,12 +696,7 @@ impl Element {
 
     /// Derivative of w_D ∫|∇u|² − ∫∇q·∇u with respect to the places of the corners.
     fn stiffness_forces(&self, u: [f64; 3], q: [f64; 3], weight: f64) -> [Vector2<f64>; 3] {
-        let gradient = |values: [f64; 3]| {
-            self.gradients[0] * values[0]
-                + self.gradients[1] * values[1]
-                + self.gradients[2] * values[2]
-        };
-        let (du, dq) = (gradient(u), gradient(q));
+        let (du, dq) = (self.gradient(u), self.gradient(q));
         self.gradients.map(|hat| {
             let d = |a: Vector2<f64>, b: Vector2<f64>| {
                 a.dot(&b) * hat - hat.dot(&b) * a - hat.dot(&a) * b
@@ -477,18 +705,15 @@ impl Element {
         })
     }
 
-    /// Derivative of `share` · (w_H ∫u² − K ∫q) with respect to the places of the corners.
-    fn mass_forces(
-        &self,
-        u: [f64; 3],
-        q: [f64; 3],
-        weight: f64,
-        curvature: f64,
-        share: f64,
-    ) -> [Vector2<f64>; 3] {
-        let sum: f64 = u.iter().sum();
-        let square = (sum * sum + u.iter().map(|u| u * u).sum::<f64>()) / 12.0;
-        let pressure = weight * square - curvature / 3.0 * q.iter().sum::<f64>();
-        self.gradients.map(|hat| share * self.area * pressure * hat)
+    /// Derivative of ∫ pressure with respect to the places of the corners.
+    fn mass_forces(&self, pressure: f64) -> [Vector2<f64>; 3] {
+        self.gradients.map(|hat| self.area * pressure * hat)
+    }
+
+    /// Gradient of the linear function with these values at the corners.
+    fn gradient(&self, values: [f64; 3]) -> Vector2<f64> {
+        self.gradients[0] * values[0]
+            + self.gradients[1] * values[1]
+            + self.gradients[2] * values[2]
     }
 }

@@ -1,17 +1,19 @@
 //! [VSC] Variational surface cutting: move a cut so that its pieces flatten with less distortion.
 //!
-//! **Minimises** J(γ) = w_D Σ ∫|∇u|² + w_H Σ ∫u² + α |γ| over cuts γ of a surface of unit area, where on every patch
-//! Δu = −K and u = 0 on its rim: u is the log scale factor of the patch's conformal flattening with isometric boundary.
-//! The mesh's own boundary belongs to the rims and never to γ.
+//! **Minimises** J(γ) = w_D Σ ∫|∇u|² + w_H Σ ∫b(u) + α |γ| + w_η ∫_γ η − w_A |P₀| over cuts γ of a surface of unit area, where on
+//! every patch Δu = −K and u = 0 on its rim: u is the log scale factor of the patch's conformal flattening with isometric
+//! boundary, and b(u) = u² unless another price is chosen. The mesh's own boundary belongs to the rims and never to γ.
 //!
 //! **Step**: scheme B, exact descent on the discrete J. The derivative of the discrete objective with respect to the
 //! crossings of the cut is exact; it is turned into a direction in an H¹ metric on the curve (steepest descent with two
 //! regions, L-BFGS with more), a trial moves the level sets, and is taken if J falls. One numeric factorisation per trial,
 //! one symbolic analysis per run.
 //!
+//! [`Scheme::Paper`] is the paper's own flow instead, on the same J.
+//!
 //! Guaranteed: J never rises; no vertex changes its label unless its neighbour across the cut had that label, so the cut
-//! never jumps more than one edge (the first step is a disturbance and up to three descents: up to four edges); patches are neither torn, joined nor pierced; with more than two regions a patch may
-//! shrink away. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
+//! never jumps more than one edge (the first step is a disturbance and up to three descents: up to four edges); patches are neither torn, joined nor pierced unless [`Topology`] allows it; with
+//! more than two regions a patch may shrink away. A [`Schedule`] that changes α changes what J means, between steps. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
 
 mod band;
 mod cut;
@@ -19,74 +21,29 @@ mod energy;
 mod init;
 mod memory;
 mod metric;
+mod params;
+mod probe;
+mod search;
+mod terms;
 mod topology;
 
 use band::{LevelSets, Response};
 use cut::{Cut, Frames, NONE};
 use energy::{Problem, Solution};
 use memory::Memory;
-use metric::{CurveMetric, dot};
+use metric::dot;
+use probe::{Probe, SavedProbe};
 
-pub use energy::{Energy, Weights};
 pub use init::{Initial, initial_labels};
+pub use params::{CutFlowParams, Schedule, Scheme, Topology};
+pub use terms::{CutFields, Energy, Pointwise, Source, Weights};
+
+use nalgebra::Point3;
 
 use super::flow::{Flow, SolveError, Status, StepReport};
 use crate::geometry::Geometry;
 use crate::linalg::{Factor, LinalgError};
 use crate::mesh::{CutMesh, EdgeId, Mesh, VertexId};
-
-/// Options of a [`CutFlow`]. All are for a surface of unit area.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CutFlowParams {
-    /// Weights of the objective.
-    pub weights: Weights,
-    /// Largest displacement of the cut in one step, in mean edge lengths. ½ is safe and takes twice the steps; 2 is worse
-    /// with many patches, 4 fails.
-    pub cap: f64,
-    /// Amplitude of the seeded smooth disturbance of the first step, in mean edge lengths. It leaves saddles, and it chooses
-    /// the minimum: a symmetric start without it waits for rounding errors to grow.
-    pub kick: f64,
-    /// Seed of that disturbance.
-    pub seed: u64,
-    /// The run has converged when the last ten steps together lowered J by less than this fraction.
-    pub tolerance: f64,
-}
-
-impl Default for CutFlowParams {
-    fn default() -> Self {
-        Self {
-            weights: Weights { dirichlet: 10.0, hencky: 0.0, length: 2.0 },
-            cap: 1.0,
-            kick: 0.5,
-            seed: 1,
-            tolerance: 1e-5,
-        }
-    }
-}
-
-impl CutFlowParams {
-    /// Checks every option against its range.
-    pub fn validate(&self) -> Result<(), SolveError> {
-        let within = |name, value: f64, min: f64, max: f64| {
-            if value >= min && value <= max {
-                Ok(())
-            } else {
-                Err(SolveError::Parameter { name, value, min, max })
-            }
-        };
-        within("Dirichlet weight", self.weights.dirichlet, 0.0, 1e6)?;
-        within("Hencky weight", self.weights.hencky, 0.0, 1e8)?;
-        within("cut length weight", self.weights.length, 0.0, 1e6)?;
-        within("step cap", self.cap, 0.01, 2.0)?;
-        within("kick", self.kick, 0.0, 2.0)?;
-        within("tolerance", self.tolerance, 0.0, 1.0)?;
-        if self.weights.dirichlet + self.weights.hencky > 0.0 {
-            Ok(())
-        } else {
-            Err(SolveError::NoEnergy)
-        }
-    }
-}
 
 /// A labelled surface and what is known of its cut.
 pub struct CutState {
@@ -128,27 +85,6 @@ impl CutState {
     }
 }
 
-/// How (ℓ, clip) change after each failed line search in a row; when all have failed the run ends.
-const RETRIES: [(Smoothing, f64); 5] = [
-    (Smoothing::Edges(2.0), 3.0),
-    (Smoothing::Edges(2.0), 1.0),
-    (Smoothing::Edges(8.0), 3.0),
-    (Smoothing::Edges(2.0), 0.5),
-    (Smoothing::Edges(1.0), 1.5),
-];
-
-/// Trials of one line search.
-const TRIALS: usize = 12;
-
-/// Smoothing length of the metric.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Smoothing {
-    /// For a surface of unit area.
-    Absolute(f64),
-    /// In mean edge lengths.
-    Edges(f64),
-}
-
 /// What a step remembers for the next one, apart from the state.
 #[derive(Clone, Debug, Default)]
 struct Progress {
@@ -161,16 +97,21 @@ struct Progress {
     memory: Memory,
     /// J after every step, for the test of convergence.
     history: Vec<f64>,
+    /// Saddle tests made so far.
+    probes: usize,
 }
 
 /// The flow. Made from a mesh of unit area and an initial labelling.
 pub struct CutFlow {
     problem: Problem,
     params: CutFlowParams,
+    /// Those of the parameters, with the length weight of the step.
+    weights: Weights,
     mean_edge: f64,
     state: CutState,
     progress: Progress,
     status: Status,
+    probe: Option<Probe>,
     /// Memory of the solution before, reused by the next trial.
     spare: Option<Solution>,
     edge_crossings: Vec<u32>,
@@ -182,6 +123,7 @@ pub struct Checkpoint {
     levels: LevelSets,
     progress: Progress,
     status: Status,
+    probe: Option<SavedProbe>,
 }
 
 impl CutFlow {
@@ -195,10 +137,26 @@ impl CutFlow {
         initial: &Initial,
         params: CutFlowParams,
     ) -> Result<Self, SolveError> {
+        Self::with_fields(mesh, geometry, initial, params, &CutFields::default())
+    }
+
+    /// The same with sources, penalties and pins of its own.
+    ///
+    /// **Fails** also if these have the wrong shape or values out of range.
+    pub fn with_fields(
+        mesh: Mesh,
+        geometry: Geometry,
+        initial: &Initial,
+        params: CutFlowParams,
+        fields: &CutFields,
+    ) -> Result<Self, SolveError> {
         params.validate()?;
+        fields.validate(mesh.vertex_count())?;
         let start = initial_labels(&mesh, &geometry, initial)?;
         let mean_edge = geometry.mean_edge_length();
         let mut problem = Problem::new(mesh, geometry)?;
+        problem.set_fields(fields);
+        problem.prepare_rescaling(&params.weights)?;
         let mut edge_crossings = vec![NONE; problem.mesh.edge_count()];
         let cut = Cut::find(
             &problem.mesh,
@@ -223,7 +181,8 @@ impl CutFlow {
             mean_edge,
         );
         let (levels, response) = LevelSets::rebuild(&problem, &cut, levels, mean_edge);
-        let solution = problem.solve(&cut, &params.weights, None)?;
+        let weights = params.weights_at(0);
+        let solution = problem.solve(&cut, &levels.labels, &weights, None)?;
         if !solution.energy.total.is_finite() {
             return Err(SolveError::NotFinite);
         }
@@ -231,10 +190,12 @@ impl CutFlow {
         Ok(Self {
             problem,
             params,
+            weights,
             mean_edge,
             state: CutState { levels, response, cut, solution },
             progress,
             status: Status::Running,
+            probe: None,
             spare: None,
             edge_crossings,
         })
@@ -243,6 +204,16 @@ impl CutFlow {
     /// The mesh that is cut.
     pub fn mesh(&self) -> &Mesh {
         &self.problem.mesh
+    }
+
+    /// Where its vertices lie.
+    pub fn positions(&self) -> &[Point3<f64>] {
+        &self.problem.geometry.positions
+    }
+
+    /// The unit of displacements.
+    pub fn mean_edge_length(&self) -> f64 {
+        self.mean_edge
     }
 
     /// Options in use.
@@ -260,25 +231,77 @@ impl CutFlow {
         self.status
     }
 
+    /// The weights that act now: a schedule may have changed the length weight.
+    pub fn weights(&self) -> &Weights {
+        &self.weights
+    }
+
     /// Changes options between steps; they act from the next step on. J is measured anew, and a run that had ended goes on.
+    /// **Fails** without any change if an option is out of range.
     pub fn set_params(&mut self, params: CutFlowParams) -> Result<(), SolveError> {
         params.validate()?;
         if params == self.params {
             return Ok(());
         }
-        if params.weights != self.params.weights {
-            let energy = &mut self.state.solution.energy;
-            energy.total = params.weights.dirichlet * energy.dirichlet
-                + params.weights.hencky * energy.hencky
-                + params.weights.length * energy.length;
-            self.progress.history = vec![energy.total];
-            self.progress.memory.clear();
-            self.progress.scale = 0.0;
-        }
+        self.problem.prepare_rescaling(&params.weights)?;
         self.params = params;
+        self.progress.probes = 0;
         self.progress.failures = 0;
+        self.probe = None;
         self.status = Status::Running;
+        let weights = params.weights_at(self.progress.step);
+        if weights == self.weights {
+            return Ok(());
+        }
+        let is_new = !weights.measures_like(&self.weights);
+        self.weights = weights;
+        if is_new { self.measure_anew() } else { Ok(self.weigh_anew()) }
+    }
+
+    /// Changes sources, penalties and pins between steps, as [`CutFlow::set_params`] does options.
+    pub fn set_fields(&mut self, fields: &CutFields) -> Result<(), SolveError> {
+        fields.validate(self.problem.mesh.vertex_count())?;
+        self.problem.set_fields(fields);
+        self.progress.probes = 0;
+        self.progress.failures = 0;
+        self.probe = None;
+        self.status = Status::Running;
+        self.measure_anew()
+    }
+
+    /// The state under new weights of the terms that were measured.
+    fn weigh_anew(&mut self) {
+        let energy = &mut self.state.solution.energy;
+        energy.total = self.weights.total(energy);
+        self.forget();
+    }
+
+    /// The state under terms that were not measured yet.
+    fn measure_anew(&mut self) -> Result<(), SolveError> {
+        let levels = self.state.levels.clone();
+        let (cut, solution) = self.evaluate(&levels)?;
+        self.accept(levels, cut, solution);
+        self.forget();
         Ok(())
+    }
+
+    /// Begins the search anew: what it has learned belongs to another J.
+    fn forget(&mut self) {
+        self.progress.history = vec![self.state.solution.energy.total];
+        self.progress.memory.clear();
+        self.progress.scale = 0.0;
+    }
+
+    /// Log scale factors, or temperatures, and the adjoint that goes with them: A q = 2 w_D A_a u + w_H ∫b′(u).
+    pub fn adjoint(&mut self) -> Vec<f64> {
+        let CutState { cut, solution, .. } = &mut self.state;
+        self.problem.adjoint(cut, &self.weights, solution)
+    }
+
+    /// φ of every vertex's own region, negative inside, as far as it is stored: within a few rings of the cut.
+    pub fn level(&self, v: VertexId) -> Option<f64> {
+        let levels = &self.state.levels;
+        levels.entry(v, levels.labels[v.index()]).map(|entry| levels.values[entry])
     }
 
     /// The surface refined along the cut: points `0..V` are the vertices, then the crossings, then the triple points.
@@ -310,18 +333,20 @@ impl CutFlow {
             levels: self.state.levels.clone(),
             progress: self.progress.clone(),
             status: self.status,
+            probe: self.probe.as_ref().map(Probe::save),
         }
     }
 
     /// Goes back to a checkpoint of a flow on the same surface. Later steps repeat bit for bit.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), SolveError> {
+        self.weights = self.params.weights_at(checkpoint.progress.step);
+        let probe = match &checkpoint.probe {
+            Some(saved) => Some(saved.revive(self)?),
+            None => None,
+        };
         let (cut, solution) = self.evaluate(&checkpoint.levels)?;
-        let (levels, response) =
-            LevelSets::rebuild(&self.problem, &cut, checkpoint.levels.clone(), self.mean_edge);
-        self.spare = Some(
-            std::mem::replace(&mut self.state, CutState { levels, response, cut, solution })
-                .solution,
-        );
+        self.accept(checkpoint.levels.clone(), cut, solution);
+        self.probe = probe;
         self.progress = checkpoint.progress.clone();
         self.status = checkpoint.status;
         Ok(())
@@ -360,187 +385,64 @@ impl CutFlow {
         );
         clear(&mut self.edge_crossings, &cut);
         let spare = self.spare.take();
-        let solution = self.problem.solve(&cut, &self.params.weights, spare)?;
+        let solution = self.problem.solve(&cut, &levels.labels, &self.weights, spare)?;
         Ok((cut, solution))
     }
 
-    fn gradient(&mut self) -> Vec<f64> {
-        let mut forces = Vec::new();
-        let CutState { levels, response, cut, solution } = &mut self.state;
-        self.problem.crossing_forces(cut, &self.params.weights, solution, &mut forces);
-        response.pull_back(&self.problem, cut, levels, &forces)
-    }
-
-    /// Moves the level sets by `scale` · `direction` and evaluates; `None` if the result cannot be used at all.
-    fn try_move(
-        &mut self,
-        direction: &[f64],
-        scale: f64,
-    ) -> Result<Option<(LevelSets, Cut, Solution)>, SolveError> {
-        let mut levels = self.state.levels.clone();
-        self.state.response.apply(direction, scale, &mut levels.values);
-        levels.project();
-        let vanish = self.has_many_regions();
-        topology::keep_simple(
-            &self.problem.mesh,
-            &self.state.levels.labels,
-            &mut levels,
-            vanish,
-            self.mean_edge,
-            scale * direction.iter().fold(0.0f64, |m, d| m.max(d.abs())),
-        );
-        match self.evaluate(&levels) {
-            // A closed component that lost its cut would look like a bargain: nothing is left to pay for.
-            Ok((cut, solution))
-                if solution.energy.total.is_finite() && !self.problem.misses_a_component(&cut) =>
-            {
-                Ok(Some((levels, cut, solution)))
-            }
-            Ok((_, solution)) => {
-                self.spare = Some(solution);
-                Ok(None)
-            }
-            // As above, or a sliver lost its area: a trial to be refused like any other.
-            Err(LinalgError::NotPositiveDefinite { .. }) => Ok(None),
-            Err(error) => Err(error.into()),
-        }
-    }
-
-    fn accept(&mut self, levels: LevelSets, cut: Cut, solution: Solution) {
-        let (levels, response) = LevelSets::rebuild(&self.problem, &cut, levels, self.mean_edge);
-        let old = std::mem::replace(&mut self.state, CutState { levels, response, cut, solution });
-        self.spare = Some(old.solution);
-    }
-
-    /// The seeded smooth disturbance.
-    fn kick(&mut self) -> Result<(), SolveError> {
-        let field = init::smooth_noise(
-            &self.problem.mesh,
-            &self.problem.geometry,
-            &self.problem.analysis,
-            self.params.seed,
-        )?;
-        let mesh = &self.problem.mesh;
-        let mut displacement: Vec<f64> = self
-            .state
-            .cut
-            .crossings
-            .iter()
-            .map(|c| {
-                let [a, b] = mesh.edge_vertices(c.edge).map(|v| field[v.index()]);
-                a + (b - a) * c.t
-            })
-            .collect();
-        let largest = displacement.iter().fold(0.0f64, |m, d| m.max(d.abs()));
-        if largest > 0.0 {
-            for d in &mut displacement {
-                *d *= self.params.kick * self.mean_edge / largest;
-            }
-            if let Some((levels, cut, solution)) = self.try_move(&displacement, 1.0)? {
-                self.accept(levels, cut, solution);
-            }
-        }
-        Ok(())
-    }
-
-    /// The first step: the disturbance, and descents until J is below `ceiling`, three at most. What it leaves is to be taken
-    /// back if J is not.
-    fn kick_and_descend(&mut self, ceiling: f64) -> Result<(), SolveError> {
-        self.kick()?;
-        for _ in 0..3 {
-            if !self.descend(f64::INFINITY)? || self.state.solution.energy.total < ceiling {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// One descent step from the current state to a J below `ceiling`.
-    fn descend(&mut self, ceiling: f64) -> Result<bool, SolveError> {
-        self.progress.promise = 0.0;
-        if self.state.cut.crossings.is_empty() {
-            return Ok(false);
-        }
-        let many = self.has_many_regions();
-        let failures = self.progress.failures;
-        let (smoothing, clip) = if failures == 0 {
-            (if many { Smoothing::Edges(2.0) } else { Smoothing::Absolute(0.085) }, 3.0)
-        } else {
-            RETRIES[failures - 1]
-        };
-        let smoothing = match smoothing {
-            Smoothing::Absolute(length) => length,
-            Smoothing::Edges(count) => count * self.mean_edge,
-        };
-        let mut metric = CurveMetric::new(&self.state.cut, smoothing, self.mean_edge)?;
-        let mut gradient = self.gradient();
-        metric.clip(&mut gradient, clip, self.mean_edge);
-        let z = metric.raise(&gradient);
-
-        let mut direction: Vec<f64> = z.iter().map(|z| -z).collect();
-        let mut is_quasi_newton = false;
-        if many {
-            self.progress.memory.transport(&self.problem, &self.state.cut, &metric, &z);
-            if !self.progress.memory.is_empty() {
-                let candidate = self.progress.memory.direction(&metric, &z);
-                let slope = dot(&gradient, &candidate);
-                let size = (dot(&metric.lower(&candidate), &candidate) * dot(&gradient, &z)).sqrt();
-                if slope < -1e-3 * size {
-                    direction = candidate;
-                    is_quasi_newton = true;
-                }
-            }
-        }
-        let slope = dot(&gradient, &direction);
-        let largest = direction.iter().fold(0.0f64, |m, d| m.max(d.abs()));
-        if !(slope < 0.0 && largest > 0.0 && largest.is_finite()) {
-            return Ok(false);
-        }
-        let capped = self.params.cap * self.mean_edge / largest;
-        // Only a quasi-Newton direction has a length of its own.
-        let mut scale = if is_quasi_newton {
-            capped.min(1.0)
-        } else if self.progress.scale > 0.0 {
-            capped.min(self.progress.scale)
-        } else {
-            capped
-        };
-        let start = self.state.solution.energy.total;
-        self.progress.promise = -slope * capped;
-        for _ in 0..TRIALS {
-            if let Some((levels, cut, solution)) = self.try_move(&direction, scale)? {
-                let total = solution.energy.total;
-                if total < ceiling.min(start + 1e-4 * scale * slope) {
-                    if many {
-                        let step = direction.iter().map(|d| d * scale).collect();
-                        self.progress.memory.record(&self.problem, &self.state.cut, step, z);
-                    }
-                    self.accept(levels, cut, solution);
-                    self.progress.scale = 1.6 * scale;
-                    return Ok(true);
-                }
-                self.spare = Some(solution);
-            }
-            scale *= 0.4;
-        }
-        Ok(false)
-    }
-
     fn report(&self) -> StepReport {
-        let energy = self.state.solution.energy;
-        let weights = &self.params.weights;
+        let energy = &self.state.solution.energy;
+        let weights = &self.weights;
         StepReport {
             step: self.progress.step,
             energy: vec![
                 ("total", energy.total),
-                ("dirichlet", weights.dirichlet * energy.dirichlet),
-                ("hencky", weights.hencky * energy.hencky),
+                ("distortion", weights.distortion(energy)),
                 ("length", weights.length * energy.length),
+                ("penalty", weights.penalty * energy.penalty),
+                ("area", -weights.area * energy.area),
             ],
             residual: self.state.solution.residual,
             progress: None,
             status: self.status,
         }
+    }
+
+    /// Puts the length weight of the coming step in force.
+    fn follow_schedule(&mut self) {
+        let weights = self.params.weights_at(self.progress.step);
+        if weights != self.weights {
+            self.weights = weights;
+            let energy = &mut self.state.solution.energy;
+            energy.total = weights.total(energy);
+        }
+    }
+
+    /// One step of the scheme from the current state to a J below `ceiling`; a failed search changes the way of searching and is
+    /// followed by another.
+    fn search(&mut self, ceiling: f64) -> Result<bool, SolveError> {
+        while self.progress.failures <= search::RETRIES.len() {
+            if self.descend(ceiling)? {
+                self.progress.failures = 0;
+                return Ok(true);
+            }
+            self.progress.memory.clear();
+            self.progress.scale = 0.0;
+            self.progress.failures += 1;
+        }
+        Ok(false)
+    }
+
+    /// Counts an accepted step and looks whether it was one of the last.
+    fn count_step(&mut self) -> Option<Status> {
+        self.progress.step += 1;
+        let total = self.state.solution.energy.total;
+        self.progress.history.push(total);
+        let count = self.progress.history.len();
+        if count <= 10 || self.params.is_changing_at(self.progress.step) {
+            return None;
+        }
+        let before = self.progress.history[count - 11];
+        (before - total < self.params.tolerance * before.abs()).then_some(Status::Converged)
     }
 }
 
@@ -556,6 +458,11 @@ impl Flow for CutFlow {
         if self.status != Status::Running {
             return Ok(self.report());
         }
+        if self.probe.is_some() {
+            self.step_probe()?;
+            return Ok(self.report());
+        }
+        self.follow_schedule();
         let ceiling = self.state.solution.energy.total;
         let mut moved = false;
         if self.progress.step == 0 && self.params.kick > 0.0 {
@@ -567,31 +474,21 @@ impl Flow for CutFlow {
             }
             result?;
         }
-        while !moved && self.progress.failures <= RETRIES.len() {
-            moved = self.descend(ceiling)?;
-            if !moved {
-                self.progress.memory.clear();
-                self.progress.scale = 0.0;
-                self.progress.failures += 1;
-            }
-        }
-        if moved {
+        moved = moved || self.search(ceiling)?;
+        let end = if moved {
+            self.count_step()
+        } else if self.params.is_changing_at(self.progress.step) {
+            // Nothing to gain under this α; the next one is another problem.
             self.progress.failures = 0;
-            self.progress.step += 1;
-            let total = self.state.solution.energy.total;
-            self.progress.history.push(total);
-            let count = self.progress.history.len();
-            if count > 10 {
-                let before = self.progress.history[count - 11];
-                if before - total < self.params.tolerance * before.abs() {
-                    self.status = Status::Converged;
-                }
-            }
+            self.count_step()
         } else {
             // Nothing to gain in any direction is an end like the other; a promise that no step keeps is not.
             let total = self.state.solution.energy.total;
             let is_flat = self.progress.promise <= self.params.tolerance * total.abs();
-            self.status = if is_flat { Status::Converged } else { Status::Stalled };
+            Some(if is_flat { Status::Converged } else { Status::Stalled })
+        };
+        if let Some(end) = end {
+            self.end_or_probe(end)?;
         }
         Ok(self.report())
     }

@@ -3,8 +3,14 @@
 //! A vertex is *simple* for a change if its link meets the old and the new label in one arc each: then neither patch is torn,
 //! joined or pierced. Changes are made one after the other, so that the guarantee holds for all of them together. A vertex may
 //! only take a label that stood across a crossed edge before the step: the cut never jumps more than one edge.
+//!
+//! Where patches may merge, the new label may meet the link in several arcs, and the old one too as long as its arcs are joined
+//! elsewhere: the patch that is left stays in one piece.
+
+use std::collections::{BTreeSet, VecDeque};
 
 use super::band::LevelSets;
+use super::params::Topology;
 use crate::mesh::{Mesh, VertexId};
 
 /// Passes over the refused changes: one change can make room for the next.
@@ -15,13 +21,14 @@ const PASSES: usize = 6;
 /// trial would keep J from falling however short the trial is.
 const MARGIN: f64 = 0.1;
 
-/// Refuses the changes from `old` to `levels.labels` that are not simple, and puts those vertices back.
+/// Refuses the changes from `old` to `levels.labels` that the topology forbids, and puts those vertices back.
 ///
 /// **Takes** `vanish`: whether the last vertex of a patch may go (needed with many patches); how far the cut `moved` at most.
 pub(super) fn keep_simple(
     mesh: &Mesh,
     old: &[u32],
     levels: &mut LevelSets,
+    topology: Topology,
     vanish: bool,
     mean_edge: f64,
     moved: f64,
@@ -41,7 +48,16 @@ pub(super) fn keep_simple(
         let before = waiting.len();
         waiting.retain(|&(v, wanted, _)| {
             let reachable = mesh.outgoing(v).any(|h| old[mesh.tip(h).index()] == wanted);
-            let allowed = reachable && is_simple(mesh, &labels, v, wanted, vanish);
+            let allowed = reachable
+                && match topology {
+                    Topology::Preserve => is_simple(mesh, &labels, v, wanted, vanish),
+                    Topology::Merge => {
+                        is_simple(mesh, &labels, v, wanted, true)
+                            || (arcs(mesh, &labels, v, wanted) > 0
+                                && keeps_together(mesh, &labels, v))
+                    }
+                    Topology::Free => true,
+                };
             if allowed {
                 labels[v.index()] = wanted;
             }
@@ -64,21 +80,43 @@ pub(super) fn is_simple(
     wanted: u32,
     vanish: bool,
 ) -> bool {
+    let old_arcs = arcs(mesh, labels, v, labels[v.index()]);
+    arcs(mesh, labels, v, wanted) == 1 && (old_arcs == 1 || (vanish && old_arcs == 0))
+}
+
+/// In how many arcs the link of a vertex meets a label.
+fn arcs(mesh: &Mesh, labels: &[u32], v: VertexId, label: u32) -> usize {
+    let (mut first, mut last, mut count) = (None, false, 0);
+    for h in mesh.outgoing(v) {
+        let inside = labels[mesh.tip(h).index()] == label;
+        count += usize::from(inside && !last);
+        first.get_or_insert(inside);
+        last = inside;
+    }
+    // Around an interior vertex the last arc may continue in the first.
+    let wraps = !mesh.is_boundary_vertex(v) && first == Some(true) && last;
+    if wraps && count > 1 { count - 1 } else { count }
+}
+
+/// Whether the patch of a vertex stays in one piece without it: all its neighbours of the same label reach each other.
+/// **Costs** the size of the patch in the worst case; few vertices need it.
+fn keeps_together(mesh: &Mesh, labels: &[u32], v: VertexId) -> bool {
     let own = labels[v.index()];
-    let arcs = |label: u32| {
-        let (mut first, mut last, mut count) = (None, false, 0);
-        for h in mesh.outgoing(v) {
-            let inside = labels[mesh.tip(h).index()] == label;
-            count += usize::from(inside && !last);
-            first.get_or_insert(inside);
-            last = inside;
-        }
-        // Around an interior vertex the last arc may continue in the first.
-        let wraps = !mesh.is_boundary_vertex(v) && first == Some(true) && last;
-        if wraps && count > 1 { count - 1 } else { count }
+    let around = |w: VertexId| {
+        mesh.outgoing(w).map(|h| mesh.tip(h)).filter(|&x| x != v && labels[x.index()] == own)
     };
-    let (old_arcs, new_arcs) = (arcs(own), arcs(wanted));
-    new_arcs == 1 && (old_arcs == 1 || (vanish && old_arcs == 0))
+    let mut wanted: Vec<VertexId> = around(v).collect();
+    let Some(start) = wanted.pop() else { return true };
+    let mut seen = BTreeSet::from([start]);
+    let mut queue = VecDeque::from([start]);
+    while let Some(w) = queue.pop_front() {
+        wanted.retain(|&x| x != w);
+        if wanted.is_empty() {
+            return true;
+        }
+        queue.extend(around(w).filter(|&x| seen.insert(x)));
+    }
+    false
 }
 
 #[cfg(test)]
