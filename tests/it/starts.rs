@@ -343,13 +343,13 @@ fn a_component_that_no_cut_reaches_is_named() {
 /// A cube whose sides are islands of a texture map and alternate between two materials, divided so that regions have
 /// something inside.
 fn mapped_cube(with_map: bool) -> String {
-    let n = 6;
+    let n = 6usize;
     let mut text = String::new();
     let mut numbers = std::collections::BTreeMap::new();
     let mut faces = String::new();
     for side in 0..6 {
         faces += &format!("g side{side}\nusemtl m{}\n", side / 2);
-        let mut at = |i: i32, j: i32| {
+        let mut at = |i: usize, j: usize| {
             let axis = side / 2;
             let mut place = [if side % 2 == 0 { 0 } else { n }; 3];
             (place[(axis + 1) % 3], place[(axis + 2) % 3]) = (i, j);
@@ -423,6 +423,32 @@ fn a_file_without_islands_says_so_in_three_parts() {
     let problem = surface.face_regions(FaceSource::UvIslands).unwrap_err();
     assert!(problem.what.contains("initial cut is empty"), "{}", problem.what);
     assert!(surface.face_regions(FaceSource::Materials).unwrap_err().what.contains("no materials"));
+}
+
+/// Counted by an independent program: 13 islands.
+#[test]
+fn the_texture_map_of_spot_starts_a_cut() {
+    let path = format!("{}/../shared/meshes/spot.obj", env!("CARGO_MANIFEST_DIR"));
+    // `Surface::shared` says so where the folder is absent.
+    if Surface::shared("spot.obj").is_none() {
+        return;
+    }
+    let mut session = Session::new();
+    session.open("spot.obj", &std::fs::read(path).unwrap());
+    let surface = session.document().unwrap().surface.as_ref().unwrap();
+    let regions = surface.face_regions(FaceSource::UvIslands).unwrap();
+    assert_eq!(regions.iter().max(), Some(&12));
+    let (initial, lost) = surface.initial_of_faces(regions).unwrap();
+    assert!(lost.is_empty());
+    let (mesh, geometry) = surface.solving();
+    let weights = Weights { dirichlet: 0.0, hencky: 3000.0, length: 2.0 };
+    let params = CutFlowParams { weights, ..CutFlowParams::default() };
+    let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &initial, params).unwrap();
+    let before = flow.state().energy().total;
+    for _ in 0..3 {
+        flow.step().unwrap();
+    }
+    assert!(flow.state().energy().total < before);
 }
 
 /// Where a run of `steps` from a start ends.

@@ -259,7 +259,7 @@ mod tests {
         assert!(start.lost.is_empty());
         for (v, &label) in start.labels.iter().enumerate() {
             match v % 9 {
-                0..4 => assert_eq!(label, 1),
+                0..=3 => assert_eq!(label, 1),
                 5.. => assert_eq!(label, 0),
                 _ => {}
             }
