@@ -18,45 +18,96 @@ struct Distance(u64);
 /// **Gives** one length for each vertex, of the geometry's unit. First-order accurate; never shorter than the polyhedral
 /// distance minus that error. **Costs** O(V log V). **From** [KS98]; obtuse triangles are not unfolded, edges bound their error.
 pub fn geodesic_distances(mesh: &Mesh, geometry: &Geometry, sources: &[VertexId]) -> Vec<f64> {
-    let mut distances = vec![f64::INFINITY; mesh.vertex_count()];
-    let mut fixed = vec![false; mesh.vertex_count()];
-    let mut queue = BinaryHeap::new();
-    for &v in sources {
-        distances[v.index()] = 0.0;
-        queue.push(Reverse((Distance(0), v)));
+    let mut front = GeodesicFront::new(mesh.vertex_count());
+    front.spread(mesh, geometry, sources, |_, _| true);
+    front.distances
+}
+
+/// A front that can be sent over a surface many times, each time only as far as wanted. **See** [`geodesic_distances`].
+pub struct GeodesicFront {
+    distances: Vec<f64>,
+    fixed: Vec<bool>,
+    reached: Vec<VertexId>,
+    queue: BinaryHeap<Reverse<(Distance, VertexId)>>,
+}
+
+impl GeodesicFront {
+    /// A front that has reached nothing.
+    pub fn new(vertex_count: usize) -> Self {
+        Self {
+            distances: vec![f64::INFINITY; vertex_count],
+            fixed: vec![false; vertex_count],
+            reached: Vec::new(),
+            queue: BinaryHeap::new(),
+        }
     }
-    while let Some(Reverse((_, v))) = queue.pop() {
-        if std::mem::replace(&mut fixed[v.index()], true) {
-            continue;
+
+    /// The vertices that the last front has reached, in its order.
+    pub fn reached(&self) -> &[VertexId] {
+        &self.reached
+    }
+
+    /// Distance of a vertex from the last sources; infinite if it was not reached.
+    pub fn distance(&self, v: VertexId) -> f64 {
+        self.distances[v.index()]
+    }
+
+    /// Spreads from sources, on from those vertices that `goes_on(v, distance)` accepts.
+    ///
+    /// **Costs** O(n log n) for n vertices reached.
+    pub fn spread(
+        &mut self,
+        mesh: &Mesh,
+        geometry: &Geometry,
+        sources: &[VertexId],
+        goes_on: impl Fn(VertexId, f64) -> bool,
+    ) {
+        for v in self.reached.drain(..) {
+            self.distances[v.index()] = f64::INFINITY;
+            self.fixed[v.index()] = false;
         }
-        for h in mesh.outgoing(v) {
-            let tip = mesh.tip(h);
-            let distance = distances[v.index()] + geometry.edge_length(h.edge());
-            if !fixed[tip.index()] && distance < distances[tip.index()] {
-                distances[tip.index()] = distance;
-                queue.push(Reverse((Distance(distance.to_bits()), tip)));
+        let Self { distances, fixed, reached, queue } = self;
+        for &v in sources {
+            distances[v.index()] = 0.0;
+            queue.push(Reverse((Distance(0), v)));
+        }
+        while let Some(Reverse((_, v))) = queue.pop() {
+            if std::mem::replace(&mut fixed[v.index()], true) {
+                continue;
             }
-        }
-        for h in mesh.outgoing(v).filter(|&h| mesh.face(h).is_some()) {
-            let (next, prev) = (mesh.next(h), mesh.prev(h));
-            let (p, q) = (mesh.tip(h), mesh.tip(next));
-            let [vp, pq, qv] = [h, next, prev].map(|g| geometry.edge_length(g.edge()));
-            // Either far corner may be the one that the other two reach.
-            for (from, to, base, side_v, side_from) in [(p, q, vp, qv, pq), (q, p, qv, vp, pq)] {
-                if fixed[to.index()] || !fixed[from.index()] {
-                    continue;
+            reached.push(v);
+            if !goes_on(v, distances[v.index()]) {
+                continue;
+            }
+            for h in mesh.outgoing(v) {
+                let tip = mesh.tip(h);
+                let distance = distances[v.index()] + geometry.edge_length(h.edge());
+                if !fixed[tip.index()] && distance < distances[tip.index()] {
+                    distances[tip.index()] = distance;
+                    queue.push(Reverse((Distance(distance.to_bits()), tip)));
                 }
-                let (a, b) = (distances[v.index()], distances[from.index()]);
-                if let Some(distance) = plane_wave(a, b, base, side_v, side_from)
-                    && distance < distances[to.index()]
+            }
+            for h in mesh.outgoing(v).filter(|&h| mesh.face(h).is_some()) {
+                let (next, prev) = (mesh.next(h), mesh.prev(h));
+                let (p, q) = (mesh.tip(h), mesh.tip(next));
+                let [vp, pq, qv] = [h, next, prev].map(|g| geometry.edge_length(g.edge()));
+                // Either far corner may be the one that the other two reach.
+                for (from, to, base, side_v, side_from) in [(p, q, vp, qv, pq), (q, p, qv, vp, pq)]
                 {
-                    distances[to.index()] = distance;
-                    queue.push(Reverse((Distance(distance.to_bits()), to)));
+                    if fixed[to.index()] || !fixed[from.index()] {
+                        continue;
+                    }
+                    let (a, b) = (distances[v.index()], distances[from.index()]);
+                    if let Some(distance) = plane_wave(a, b, base, side_v, side_from)
+                        && distance < distances[to.index()]
+                    {
+                        distances[to.index()] = distance;
+                        queue.push(Reverse((Distance(distance.to_bits()), to)));
+                    }
                 }
             }
         }
     }
-    distances
 }
 
 /// Arrival at the apex of a triangle of a straight front that passes the ends of its base at `a` and `b`; `None` where the

@@ -1,7 +1,7 @@
 //! Work that advances one bounded step at a time.
 
 use crate::linalg::LinalgError;
-use crate::mesh::MeshError;
+use crate::mesh::{MeshError, VertexId};
 
 /// Work that advances one bounded step at a time. The driver (page, terminal, test) differs only in when it stops.
 ///
@@ -61,6 +61,20 @@ pub enum SolveError {
     EmptyCut {
         /// Number of vertices of the surface.
         vertices: usize,
+    },
+    /// A vertex that is not there, or that no face has.
+    #[error("there is no vertex {} among {vertices}", .vertex.0)]
+    NoSuchVertex {
+        /// What was asked for.
+        vertex: VertexId,
+        /// Number of vertices of the surface.
+        vertices: usize,
+    },
+    /// Two seeds at one vertex.
+    #[error("vertex {} is a seed twice", .vertex.0)]
+    SeedTwice {
+        /// The vertex.
+        vertex: VertexId,
     },
     /// A parameter out of its range.
     #[error("{name} is {value}; it must lie between {min} and {max}")]

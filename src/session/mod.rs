@@ -17,6 +17,7 @@ mod message;
 mod params;
 mod picture;
 mod preparing;
+mod regions;
 mod report;
 mod running;
 pub mod samples;
@@ -43,6 +44,7 @@ pub use message::{
     ToolSpec, Value,
 };
 pub use params::{Effect, Settings, specs};
+pub use regions::FaceSource;
 pub use report::{CutReport, FlattenReport, HistoryRow, InfoReport};
 pub use scene::Scene;
 pub use size::settings_for;

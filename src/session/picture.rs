@@ -277,3 +277,34 @@ fn legend(layout: &Layout, id: &str, label: &str, values: &[f64], signed: bool) 
         histogram: histogram.iter().map(|x| (x / largest) as f32).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::rc::Rc;
+
+    use super::*;
+    use crate::methods::cutflow::{Initial, initial_labels, labelled_cut};
+    use crate::session::samples;
+
+    #[test]
+    fn seventy_labels_share_the_palette_and_neighbours_differ() {
+        let soup = Rc::new(samples::icosphere(16));
+        let faces = 0..soup.polygon_count();
+        let triangles = faces.clone().map(|i| [0, 1, 2].map(|k| soup.polygon(i)[k])).collect();
+        let surface =
+            Surface::new("ball", soup, triangles, faces.map(|f| f as u32).collect()).unwrap();
+        let (mesh, geometry) = (&surface.mesh, &surface.geometry);
+        let initial = Initial::Random { regions: 70, cells: 70, seed: 2 };
+        let labels = initial_labels(mesh, geometry, &initial).unwrap().labels;
+        let cut = labelled_cut(mesh, geometry, &labels, |_| None);
+        let layout = Layout::full(&surface, cut, None).unwrap();
+        let colours = patch_colours(&layout, &labels);
+        assert_eq!(colours.len(), 70);
+        for (patch, near) in layout.neighbours().iter().enumerate() {
+            assert!(usize::from(colours[patch]) < COLOURS);
+            for &other in near {
+                assert_ne!(colours[patch], colours[other as usize], "{patch} and {other}");
+            }
+        }
+    }
+}

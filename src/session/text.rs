@@ -130,6 +130,16 @@ impl Problem {
                 format!("{name}, initial cut."),
                 "Move the plane into the model, change the radius of the circle, or lower the cluster angle.",
             ),
+            SolveError::NoSuchVertex { vertex, vertices } => Self::new(
+                format!("There is no vertex {}: the surface has {vertices}.", vertex.0),
+                format!("{name}, initial cut."),
+                format!("Choose a number from 0 to {}.", vertices.saturating_sub(1)),
+            ),
+            SolveError::SeedTwice { vertex } => Self::new(
+                format!("Vertex {} is a seed twice.", vertex.0),
+                format!("{name}, initial cut."),
+                "Leave one of the two out.",
+            ),
             SolveError::Parameter { name: parameter, value, min, max } => Self::new(
                 format!("The {parameter} is {value}."),
                 format!("{name}, parameters."),

@@ -50,13 +50,13 @@ pub(super) struct Response {
 }
 
 impl LevelSets {
-    /// Level sets ±`magnitude` at the vertices of the crossed faces of a first cut, so that its crossings stay where linear
-    /// interpolation puts them.
+    /// Level sets `level(v, label)` at the vertices of the crossed faces of a first cut, so that its crossings stay where
+    /// linear interpolation puts them.
     pub fn around(
         problem: &Problem,
         cut: &Cut,
         labels: Vec<u32>,
-        magnitude: impl Fn(VertexId) -> f64,
+        level: impl Fn(VertexId, u32) -> f64,
         mean_edge: f64,
     ) -> Self {
         let mut near: Vec<(VertexId, u32)> = Vec::new();
@@ -77,8 +77,7 @@ impl LevelSets {
         };
         for &(v, label) in &near {
             result.starts[v.index() + 1] += 1;
-            let own = result.labels[v.index()] == label;
-            result.values.push(if own { -magnitude(v) } else { magnitude(v) });
+            result.values.push(level(v, label));
         }
         for v in 0..result.labels.len() {
             result.starts[v + 1] += result.starts[v];

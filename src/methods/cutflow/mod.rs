@@ -34,7 +34,7 @@ use memory::Memory;
 use metric::dot;
 use probe::{Probe, SavedProbe};
 
-pub use init::{Initial, initial_labels};
+pub use init::{Initial, Start, initial_labels};
 pub use params::{CutFlowParams, Schedule, Scheme, Topology};
 pub use terms::{CutFields, Energy, Pointwise, Source, Weights};
 
@@ -162,10 +162,7 @@ impl CutFlow {
             &problem.mesh,
             &problem.frames,
             &start.labels,
-            |v, lower, _| {
-                let sign = if start.labels[v.index()] == lower { -2.0 } else { 2.0 };
-                sign * start.magnitude(v, mean_edge)
-            },
+            |v, lower, upper| start.level(v, lower, mean_edge) - start.level(v, upper, mean_edge),
             &mut edge_crossings,
         );
         clear(&mut edge_crossings, &cut);
@@ -177,7 +174,7 @@ impl CutFlow {
             &problem,
             &cut,
             start.labels.clone(),
-            |v| start.magnitude(v, mean_edge),
+            |v, label| start.level(v, label, mean_edge),
             mean_edge,
         );
         let (levels, response) = LevelSets::rebuild(&problem, &cut, levels, mean_edge);
