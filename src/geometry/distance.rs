@@ -18,12 +18,27 @@ struct Distance(u64);
 /// **Gives** one length for each vertex, of the geometry's unit. First-order accurate; never shorter than the polyhedral
 /// distance minus that error. **Costs** O(V log V). **From** [KS98]; obtuse triangles are not unfolded, edges bound their error.
 pub fn geodesic_distances(mesh: &Mesh, geometry: &Geometry, sources: &[VertexId]) -> Vec<f64> {
+    let sources: Vec<(VertexId, f64)> = sources.iter().map(|&v| (v, 0.0)).collect();
+    geodesic_distances_from(mesh, geometry, &sources)
+}
+
+/// Distance of every vertex from where the sources have the given distances already; sources keep theirs.
+///
+/// **Takes** finite distances, none negative. **See** [`geodesic_distances`].
+pub fn geodesic_distances_from(
+    mesh: &Mesh,
+    geometry: &Geometry,
+    sources: &[(VertexId, f64)],
+) -> Vec<f64> {
     let mut distances = vec![f64::INFINITY; mesh.vertex_count()];
+    let mut given = vec![false; mesh.vertex_count()];
     let mut fixed = vec![false; mesh.vertex_count()];
     let mut queue = BinaryHeap::new();
-    for &v in sources {
-        distances[v.index()] = 0.0;
-        queue.push(Reverse((Distance(0), v)));
+    for &(v, distance) in sources {
+        given[v.index()] = true;
+        distances[v.index()] = distance;
+        // Not −0: its bits would come last.
+        queue.push(Reverse((Distance((distance + 0.0).to_bits()), v)));
     }
     while let Some(Reverse((_, v))) = queue.pop() {
         if std::mem::replace(&mut fixed[v.index()], true) {
@@ -32,7 +47,7 @@ pub fn geodesic_distances(mesh: &Mesh, geometry: &Geometry, sources: &[VertexId]
         for h in mesh.outgoing(v) {
             let tip = mesh.tip(h);
             let distance = distances[v.index()] + geometry.edge_length(h.edge());
-            if !fixed[tip.index()] && distance < distances[tip.index()] {
+            if !given[tip.index()] && !fixed[tip.index()] && distance < distances[tip.index()] {
                 distances[tip.index()] = distance;
                 queue.push(Reverse((Distance(distance.to_bits()), tip)));
             }
@@ -43,7 +58,7 @@ pub fn geodesic_distances(mesh: &Mesh, geometry: &Geometry, sources: &[VertexId]
             let [vp, pq, qv] = [h, next, prev].map(|g| geometry.edge_length(g.edge()));
             // Either far corner may be the one that the other two reach.
             for (from, to, base, side_v, side_from) in [(p, q, vp, qv, pq), (q, p, qv, vp, pq)] {
-                if fixed[to.index()] || !fixed[from.index()] {
+                if given[to.index()] || fixed[to.index()] || !fixed[from.index()] {
                     continue;
                 }
                 let (a, b) = (distances[v.index()], distances[from.index()]);

@@ -11,7 +11,7 @@ use nalgebra::Vector2;
 use super::cut::{Corner, CrossedFace, Cut, FacePoints, Frames};
 use crate::geometry::{Geometry, Laplacian, face_curvatures};
 use crate::linalg::{Analysis, Factor, LinalgError};
-use crate::mesh::{Mesh, VertexId};
+use crate::mesh::{EdgeId, Mesh, VertexId};
 
 /// Weights of the objective, for a surface of unit area.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,8 +160,14 @@ impl Problem {
         uncut
     }
 
-    fn is_pinned(&self, v: VertexId) -> bool {
+    /// Whether a vertex is held: u = 0 there whatever the cut.
+    pub fn is_pinned(&self, v: VertexId) -> bool {
         self.is_boundary[v.index()] || self.inert[v.index()]
+    }
+
+    /// Where the entry of an edge stands in the pattern.
+    pub fn edge_slot(&self, e: EdgeId) -> usize {
+        self.edge_slots[e.index()] as usize
     }
 
     /// A and f on the cut surface: those of the uncut one with the crossed faces' parts replaced.
@@ -406,7 +412,7 @@ impl Problem {
     }
 
     /// q = 2 w_D u + A⁻¹(2 w_H M u).
-    fn adjoint(&self, cut: &Cut, weights: &Weights, solution: &mut Solution) -> Vec<f64> {
+    pub fn adjoint(&self, cut: &Cut, weights: &Weights, solution: &mut Solution) -> Vec<f64> {
         let mut q = vec![0.0; solution.u.len()];
         if weights.hencky > 0.0 {
             let u = std::mem::take(&mut solution.u);
@@ -441,13 +447,13 @@ impl Solution {
 }
 
 /// A linear triangle: area and gradients of its hat functions.
-struct Element {
-    area: f64,
+pub(super) struct Element {
+    pub area: f64,
     gradients: [Vector2<f64>; 3],
 }
 
 impl Element {
-    fn new(points: &FacePoints, triangle: [Corner; 3]) -> Self {
+    pub fn new(points: &FacePoints, triangle: [Corner; 3]) -> Self {
         let p = triangle.map(|corner| points.at(corner));
         let double = (p[1] - p[0]).perp(&(p[2] - p[0]));
         let gradients = [0, 1, 2].map(|i| {
@@ -457,7 +463,8 @@ impl Element {
         Self { area: 0.5 * double, gradients }
     }
 
-    fn stiffness(&self, a: usize, b: usize) -> f64 {
+    /// ∫∇φ_a·∇φ_b.
+    pub fn stiffness(&self, a: usize, b: usize) -> f64 {
         self.area * self.gradients[a].dot(&self.gradients[b])
     }
 
