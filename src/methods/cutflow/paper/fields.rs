@@ -1,9 +1,12 @@
 //! Fields on the whole surface: the harmonic extension of a speed, signed distances, a step of curve shortening.
 
+use nalgebra::Vector2;
+
 use super::super::band::LevelSets;
 use super::super::cut::{Corner, Cut};
 use super::super::energy::{Element, Problem, Solution, Weights};
-use super::sides::{Sides, tension};
+use super::prices::length_price;
+use super::sides::Sides;
 use crate::geometry::geodesic_distances_from;
 use crate::linalg::{Factor, LinalgError};
 use crate::mesh::VertexId;
@@ -86,7 +89,8 @@ fn boundary_values(sides: &Sides, at_sides: &[f64]) -> Vec<f64> {
             }
             length += edge;
         }
-        let (Some(first), Some(last)) = (stations.first().copied(), stations.last().copied()) else {
+        let (Some(first), Some(last)) = (stations.first().copied(), stations.last().copied())
+        else {
             continue;
         };
         for (place, v) in places {
@@ -102,6 +106,35 @@ fn boundary_values(sides: &Sides, at_sides: &[f64]) -> Vec<f64> {
         }
     }
     values
+}
+
+/// Signed distance of every vertex to the cut, negative: the vertex lies inside its own region.
+///
+/// Exact within the crossed faces, marched from there. **Costs** one march.
+pub(super) fn depths(problem: &Problem, cut: &Cut) -> Vec<f64> {
+    let mut near: Vec<(VertexId, f64)> = Vec::with_capacity(3 * cut.faces.len());
+    for crossed in &cut.faces {
+        let points = cut.face_points(&problem.mesh, &problem.frames, crossed);
+        let segments: Vec<[Vector2<f64>; 2]> = if crossed.lone == 3 {
+            points.sides.iter().map(|side| [*side, points.centre]).collect()
+        } else {
+            let own = crossed.lone as usize;
+            vec![[points.sides[own], points.sides[(own + 2) % 3]]]
+        };
+        for (v, p) in problem.mesh.face_vertices(crossed.face).into_iter().zip(points.corners) {
+            for [a, b] in &segments {
+                let along = b - a;
+                let t = (p - a).dot(&along) / along.norm_squared().max(1e-300);
+                near.push((v, (p - (a + along * t.clamp(0.0, 1.0))).norm()));
+            }
+        }
+    }
+    near.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    near.dedup_by_key(|(v, _)| *v);
+    geodesic_distances_from(&problem.mesh, &problem.geometry, &near)
+        .into_iter()
+        .map(|distance| -distance.min(UNREACHED))
+        .collect()
 }
 
 /// Signed distances φ_k to the borders of all labels, on all vertices; of two labels only the first, the other is its negative.
@@ -133,8 +166,10 @@ impl Distances {
             .map(|&label| {
                 let begin = near.partition_point(|&(k, _)| k < label);
                 let end = near.partition_point(|&(k, _)| k <= label);
-                let seeds: Vec<(VertexId, f64)> =
-                    near[begin..end].iter().map(|&(_, v)| (v, levels.value(v, label).abs())).collect();
+                let seeds: Vec<(VertexId, f64)> = near[begin..end]
+                    .iter()
+                    .map(|&(_, v)| (v, levels.value(v, label).abs()))
+                    .collect();
                 let mut field = geodesic_distances_from(&problem.mesh, &problem.geometry, &seeds);
                 for (distance, own) in field.iter_mut().zip(&levels.labels) {
                     let reached = distance.min(UNREACHED);
@@ -196,7 +231,7 @@ impl Distances {
         let mut values = vec![0.0; pattern.entry_count()];
         let areas = geometry.vertex_dual_areas(mesh);
         for f in mesh.faces() {
-            let price = step * tension(problem, weights, f);
+            let price = step * length_price(problem, weights, f);
             let vertices = mesh.face_vertices(f);
             for (i, h) in mesh.face_halfedges(f).into_iter().enumerate() {
                 let weight = 0.5 * price * geometry.corner_cotangents[f.index()][(i + 2) % 3];
@@ -218,7 +253,8 @@ impl Distances {
         };
         let mut all = Vec::with_capacity(self.fields.len() * areas.len());
         for field in &self.fields {
-            let weigh = |(value, area): (&f64, &f64)| if *area > 0.0 { value * area } else { *value };
+            let weigh =
+                |(value, area): (&f64, &f64)| if *area > 0.0 { value * area } else { *value };
             all.extend(field.iter().zip(&areas).map(weigh));
         }
         factor.solve(&mut all, self.fields.len());

@@ -16,34 +16,9 @@ use nalgebra::Vector2;
 
 use super::super::cut::{Corner, CrossedFace, Cut, Node};
 use super::super::energy::{Element, Problem, Weights};
+use super::prices::{length_price, pointwise_slopes, price_slope, reward, scale, source};
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
-use crate::mesh::{FaceId, HalfedgeId};
-
-/// K in Δu = −K on a face.
-fn source(problem: &Problem, f: FaceId) -> f64 {
-    problem.face_curvatures[f.index()]
-}
-
-/// Scale a of the Dirichlet energy ∫a|∇u|² on a face.
-fn scale(_problem: &Problem, _weights: &Weights, _f: FaceId) -> f64 {
-    1.0
-}
-
-/// Derivatives of the mean of b(u) over a triangle by the values at its corners.
-fn pointwise_slopes(_weights: &Weights, values: [f64; 3]) -> [f64; 3] {
-    let sum: f64 = values.iter().sum();
-    values.map(|u| (u + sum) / 6.0)
-}
-
-/// Price of a unit of length in a face.
-pub(super) fn tension(_problem: &Problem, weights: &Weights, _f: FaceId) -> f64 {
-    weights.length
-}
-
-/// What a side gains by growing besides distortion.
-fn reward(_weights: &Weights, _label: u32) -> f64 {
-    0.0
-}
+use crate::mesh::HalfedgeId;
 
 /// The sides of a cut: 2c for the smaller label of crossing c and 2c + 1 for the larger one, then three for each triple point.
 pub(super) struct Sides<'a> {
@@ -99,7 +74,7 @@ impl<'a> Sides<'a> {
     }
 
     /// The side at a corner of a sub-triangle that belongs to the patch of corner `own`; `None` for a vertex.
-    pub fn at(&self, crossed: &CrossedFace, own: usize, corner: Corner) -> Option<usize> {
+    fn at(&self, crossed: &CrossedFace, own: usize, corner: Corner) -> Option<usize> {
         match corner {
             Corner::Vertex(_) => None,
             Corner::Side(i) => {
@@ -177,9 +152,11 @@ impl<'a> Sides<'a> {
             for (triangle, weight) in points.weighted_triangles(crossed.lone) {
                 let area = weight * points.area(triangle);
                 let slopes = pointwise_slopes(weights, values(u, triangle));
+                let label = self.label(crossed, own_corner(triangle));
+                let share = source(problem, weights, f, label) * area / 3.0;
                 for (i, side) in self.of_triangle(crossed, triangle).into_iter().enumerate() {
                     let Some(side) = side else { continue };
-                    flux[side] += source(problem, f) * area / 3.0;
+                    flux[side] += share;
                     adjoint_flux[side] -= weights.hencky * area * slopes[i];
                 }
             }
@@ -229,14 +206,11 @@ impl<'a> Sides<'a> {
 
     /// The sides at the corners of a sub-triangle.
     pub fn of_triangle(&self, crossed: &CrossedFace, triangle: [Corner; 3]) -> [Option<usize>; 3] {
-        let own = triangle.iter().find_map(|corner| match corner {
-            Corner::Vertex(i) => Some(*i),
-            _ => None,
-        });
-        triangle.map(|corner| own.and_then(|own| self.at(crossed, own, corner)))
+        let own = own_corner(triangle);
+        triangle.map(|corner| self.at(crossed, own, corner))
     }
 
-    /// ακ: how the length, smoothed like the fluxes, grows where the cut moves towards the larger label.
+    /// ακ: how the price of the length, smoothed along the cut, grows where the cut moves towards the larger label.
     ///
     /// The two faces of a crossed edge are unfolded into one plane; a segment pulls at its end along itself.
     fn tensions(&self, weights: &Weights, mean_edge: f64) -> Result<Vec<f64>, LinalgError> {
@@ -244,6 +218,7 @@ impl<'a> Sides<'a> {
         let count = cut.crossings.len();
         let mut pulls = vec![Vector2::zeros(); count];
         let mut normals = vec![Vector2::zeros(); count];
+        let mut tensions = vec![0.0; count];
         let mut pieces = Vec::with_capacity(cut.segments.len());
         for crossed in &cut.faces {
             let points = cut.face_points(&problem.mesh, &problem.frames, crossed);
@@ -260,7 +235,10 @@ impl<'a> Sides<'a> {
                         .map_or(points.centre, |i| points.sides[i]),
                     Node::Centre(_) => points.centre,
                 };
-                let price = tension(problem, weights, crossed.face);
+                let price = length_price(problem, weights, crossed.face);
+                let sliding = 0.5
+                    * segment.length
+                    * price_slope(problem, weights, crossed.face).dot(&segment.normal);
                 for (end, other) in [(0, 1), (1, 0)] {
                     let Node::Crossing(c) = segment.ends[end] else { continue };
                     let Some(side) = crossed.crossings.iter().position(|&x| x == c) else {
@@ -271,6 +249,7 @@ impl<'a> Sides<'a> {
                     let away = place(segment.ends[other]) - place(segment.ends[end]);
                     pulls[c as usize] += unfold(away) / segment.length.max(1e-300) * price;
                     normals[c as usize] += unfold(segment.normal);
+                    tensions[c as usize] += sliding;
                 }
                 match segment.ends {
                     [Node::Crossing(a), Node::Crossing(b)] => {
@@ -283,16 +262,21 @@ impl<'a> Sides<'a> {
                 }
             }
         }
-        let mut tensions: Vec<f64> = pulls
-            .iter()
-            .zip(&normals)
-            .map(|(pull, normal)| {
-                -normal.try_normalize(1e-300).map_or(0.0, |normal| pull.dot(&normal))
-            })
-            .collect();
-        Smoothing::new(count, &pieces, mean_edge)?.apply(&mut tensions);
+        for (tension, (pull, normal)) in tensions.iter_mut().zip(pulls.iter().zip(&normals)) {
+            *tension -= normal.try_normalize(1e-300).map_or(0.0, |normal| pull.dot(&normal));
+        }
+        Smoothing::new(count, &pieces, CURVATURE_WIDTH * mean_edge)?.apply(&mut tensions);
         Ok(tensions)
     }
+}
+
+/// The corner of the face whose patch a sub-triangle belongs to: it always has one.
+fn own_corner(triangle: [Corner; 3]) -> usize {
+    let vertex = |corner: &Corner| match corner {
+        Corner::Vertex(i) => Some(*i),
+        _ => None,
+    };
+    triangle.iter().find_map(vertex).unwrap_or(0)
 }
 
 /// Direction of an edge from its tail to its tip in the frame of one of its faces, and the normal that is the same in the
@@ -303,17 +287,21 @@ fn axes(h: HalfedgeId, corners: &[Vector2<f64>; 3], side: usize) -> (Vector2<f64
     (along, Vector2::new(-along.y, along.x))
 }
 
-/// Pieces shorter than this (in mean edge lengths) tie their ends together firmly enough; shorter ones would only cost digits.
+/// Curvature is smoothed over so many mean edges: a second derivative of a piecewise straight curve has errors of the size of
+/// itself, of 3 % after a width of one edge and of 1 % after this.
+const CURVATURE_WIDTH: f64 = 2.0;
+
+/// Pieces shorter than this (in widths) tie their ends together firmly enough; shorter ones would only cost digits.
 const SHORTEST: f64 = 1e-3;
 
-/// (M_lump + h² L_1D)⁻¹ on curves.
+/// (M_lump + width² L_1D)⁻¹ on curves.
 struct Smoothing {
     factor: Factor,
 }
 
 impl Smoothing {
     /// **Takes** pieces of curve by the numbers of their ends; a piece that ends in nothing names its end twice.
-    fn new(count: usize, pieces: &[([u32; 2], f64)], mean_edge: f64) -> Result<Self, LinalgError> {
+    fn new(count: usize, pieces: &[([u32; 2], f64)], width: f64) -> Result<Self, LinalgError> {
         let pairs: Vec<[u32; 2]> =
             pieces.iter().map(|piece| piece.0).filter(|[a, b]| a != b).collect();
         let (pattern, slots) = Pattern::new(count, &pairs);
@@ -325,7 +313,7 @@ impl Smoothing {
                 values[ends[0]] += 0.5 * length;
                 continue;
             }
-            let stiffness = mean_edge * mean_edge / length.max(SHORTEST * mean_edge);
+            let stiffness = width * width / length.max(SHORTEST * width);
             for end in ends {
                 values[end] += 0.5 * length + stiffness;
             }
@@ -336,7 +324,7 @@ impl Smoothing {
         for i in 0..count {
             // Nodes without any length about them keep what they have.
             let diagonal = &mut values[pattern.diagonal(i)];
-            *diagonal += 1e-12 * mean_edge;
+            *diagonal += 1e-12 * width;
         }
         Ok(Self { factor: Factor::new(Arc::new(Analysis::new(pattern)?), &values)? })
     }
