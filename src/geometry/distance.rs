@@ -18,6 +18,18 @@ struct Distance(u64);
 /// **Gives** one length for each vertex, of the geometry's unit. First-order accurate; never shorter than the polyhedral
 /// distance minus that error. **Costs** O(V log V). **From** [KS98]; obtuse triangles are not unfolded, edges bound their error.
 pub fn geodesic_distances(mesh: &Mesh, geometry: &Geometry, sources: &[VertexId]) -> Vec<f64> {
+    let sources: Vec<(VertexId, f64)> = sources.iter().map(|&v| (v, 0.0)).collect();
+    geodesic_distances_from(mesh, geometry, &sources)
+}
+
+/// Distance of every vertex from where the sources have the given distances already; sources keep theirs.
+///
+/// **Takes** finite distances, none negative. **See** [`geodesic_distances`].
+pub fn geodesic_distances_from(
+    mesh: &Mesh,
+    geometry: &Geometry,
+    sources: &[(VertexId, f64)],
+) -> Vec<f64> {
     let mut front = GeodesicFront::new(mesh.vertex_count());
     front.spread(mesh, geometry, sources, |_, _| true);
     front.distances
@@ -27,6 +39,8 @@ pub fn geodesic_distances(mesh: &Mesh, geometry: &Geometry, sources: &[VertexId]
 pub struct GeodesicFront {
     distances: Vec<f64>,
     fixed: Vec<bool>,
+    /// Sources.
+    given: Vec<bool>,
     reached: Vec<VertexId>,
     queue: BinaryHeap<Reverse<(Distance, VertexId)>>,
 }
@@ -37,6 +51,7 @@ impl GeodesicFront {
         Self {
             distances: vec![f64::INFINITY; vertex_count],
             fixed: vec![false; vertex_count],
+            given: vec![false; vertex_count],
             reached: Vec::new(),
             queue: BinaryHeap::new(),
         }
@@ -54,22 +69,25 @@ impl GeodesicFront {
 
     /// Spreads from sources, on from those vertices that `goes_on(v, distance)` accepts.
     ///
-    /// **Costs** O(n log n) for n vertices reached.
+    /// **Takes** sources with the distances that they have already, finite, none negative; they keep them. **Costs** O(n log n) for n vertices reached.
     pub fn spread(
         &mut self,
         mesh: &Mesh,
         geometry: &Geometry,
-        sources: &[VertexId],
+        sources: &[(VertexId, f64)],
         goes_on: impl Fn(VertexId, f64) -> bool,
     ) {
         for v in self.reached.drain(..) {
             self.distances[v.index()] = f64::INFINITY;
             self.fixed[v.index()] = false;
+            self.given[v.index()] = false;
         }
-        let Self { distances, fixed, reached, queue } = self;
-        for &v in sources {
-            distances[v.index()] = 0.0;
-            queue.push(Reverse((Distance(0), v)));
+        let Self { distances, fixed, given, reached, queue } = self;
+        for &(v, distance) in sources {
+            given[v.index()] = true;
+            distances[v.index()] = distance;
+            // Not −0: its bits would come last.
+            queue.push(Reverse((Distance((distance + 0.0).to_bits()), v)));
         }
         while let Some(Reverse((_, v))) = queue.pop() {
             if std::mem::replace(&mut fixed[v.index()], true) {
@@ -82,7 +100,7 @@ impl GeodesicFront {
             for h in mesh.outgoing(v) {
                 let tip = mesh.tip(h);
                 let distance = distances[v.index()] + geometry.edge_length(h.edge());
-                if !fixed[tip.index()] && distance < distances[tip.index()] {
+                if !given[tip.index()] && !fixed[tip.index()] && distance < distances[tip.index()] {
                     distances[tip.index()] = distance;
                     queue.push(Reverse((Distance(distance.to_bits()), tip)));
                 }
@@ -94,7 +112,7 @@ impl GeodesicFront {
                 // Either far corner may be the one that the other two reach.
                 for (from, to, base, side_v, side_from) in [(p, q, vp, qv, pq), (q, p, qv, vp, pq)]
                 {
-                    if fixed[to.index()] || !fixed[from.index()] {
+                    if given[to.index()] || fixed[to.index()] || !fixed[from.index()] {
                         continue;
                     }
                     let (a, b) = (distances[v.index()], distances[from.index()]);

@@ -20,7 +20,7 @@ use nalgebra::{Point3, Vector3};
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Mesh, SurfacePoint, VertexId};
 
 pub use curvature::{angle_defects, angle_sums, face_curvatures};
-pub use distance::{GeodesicFront, geodesic_distances};
+pub use distance::{GeodesicFront, geodesic_distances, geodesic_distances_from};
 pub use intrinsic::{Intrinsic, mollification, without_slivers};
 pub use laplacian::Laplacian;
 

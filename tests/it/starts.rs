@@ -176,7 +176,7 @@ fn the_flow_takes_every_kind_and_goes_down() {
             Initial::Volleyball { axes: cube_axes() },
         ];
         for kind in kinds {
-            let weights = Weights { dirichlet: 0.0, hencky: 3000.0, length: 2.0 };
+            let weights = Weights { hencky: 3000.0, length: 2.0, ..Weights::default() };
             let params = CutFlowParams { weights, ..CutFlowParams::default() };
             let mut flow =
                 CutFlow::new(surface.mesh.clone(), surface.geometry.clone(), &kind, params)
@@ -441,7 +441,7 @@ fn the_texture_map_of_spot_starts_a_cut() {
     let (initial, lost) = surface.initial_of_faces(regions).unwrap();
     assert!(lost.is_empty());
     let (mesh, geometry) = surface.solving();
-    let weights = Weights { dirichlet: 0.0, hencky: 3000.0, length: 2.0 };
+    let weights = Weights { hencky: 3000.0, length: 2.0, ..Weights::default() };
     let params = CutFlowParams { weights, ..CutFlowParams::default() };
     let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &initial, params).unwrap();
     let before = flow.state().energy().total;
@@ -453,7 +453,7 @@ fn the_texture_map_of_spot_starts_a_cut() {
 
 /// Where a run of `steps` from a start ends.
 fn run(surface: &Surface, initial: &Initial, steps: usize) -> [f64; 2] {
-    let weights = Weights { dirichlet: 0.0, hencky: 3000.0, length: 2.0 };
+    let weights = Weights { hencky: 3000.0, length: 2.0, ..Weights::default() };
     let params = CutFlowParams { weights, ..CutFlowParams::default() };
     let Surface { mesh, geometry, .. } = surface;
     let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), initial, params).unwrap();

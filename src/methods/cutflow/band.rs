@@ -101,6 +101,11 @@ impl LevelSets {
         self.range(v).find(|&i| self.entry_labels[i] == label)
     }
 
+    /// Entries of a vertex with their labels.
+    pub fn entries(&self, v: VertexId) -> impl Iterator<Item = (usize, u32)> + use<'_> {
+        self.range(v).map(|i| (i, self.entry_labels[i]))
+    }
+
     /// φ_label(v), far outside if it is not stored.
     pub fn value(&self, v: VertexId, label: u32) -> f64 {
         self.entry(v, label).map_or(self.far, |i| self.values[i])

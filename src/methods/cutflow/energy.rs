@@ -14,7 +14,7 @@ use super::metric::dot;
 use super::terms::{CutFields, Energy, Pointwise, Source, Weights};
 use crate::geometry::{Geometry, Laplacian, face_curvatures};
 use crate::linalg::{Analysis, Factor, LinalgError};
-use crate::mesh::{FaceId, Mesh, VertexId};
+use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 
 /// Everything that does not change while the cut moves.
 pub(super) struct Problem {
@@ -28,7 +28,7 @@ pub(super) struct Problem {
     /// How far each vertex holds the cut, from 0 to 1, or empty.
     pub pins: Vec<f64>,
     /// r³ of every face, or empty while it is not asked for.
-    scales: Vec<f64>,
+    pub scales: Vec<f64>,
     pub analysis: Arc<Analysis>,
     edge_slots: Vec<u32>,
     /// A and f of the uncut surface, boundary vertices eliminated.
@@ -185,8 +185,14 @@ impl Problem {
         uncut
     }
 
-    fn is_pinned(&self, v: VertexId) -> bool {
+    /// Whether a vertex is held: u = 0 there whatever the cut.
+    pub fn is_pinned(&self, v: VertexId) -> bool {
         self.is_boundary[v.index()] || self.inert[v.index()]
+    }
+
+    /// Where the entry of an edge stands in the pattern.
+    pub fn edge_slot(&self, e: EdgeId) -> usize {
+        self.edge_slots[e.index()] as usize
     }
 
     /// A and f on the cut surface: those of the uncut one with the crossed faces' parts replaced.
@@ -674,13 +680,13 @@ impl Solution {
 }
 
 /// A linear triangle: area and gradients of its hat functions.
-struct Element {
-    area: f64,
+pub(super) struct Element {
+    pub area: f64,
     gradients: [Vector2<f64>; 3],
 }
 
 impl Element {
-    fn new(points: &FacePoints, triangle: [Corner; 3]) -> Self {
+    pub fn new(points: &FacePoints, triangle: [Corner; 3]) -> Self {
         let p = triangle.map(|corner| points.at(corner));
         let double = (p[1] - p[0]).perp(&(p[2] - p[0]));
         let gradients = [0, 1, 2].map(|i| {
@@ -690,7 +696,8 @@ impl Element {
         Self { area: 0.5 * double, gradients }
     }
 
-    fn stiffness(&self, a: usize, b: usize) -> f64 {
+    /// ∫∇φ_a·∇φ_b.
+    pub fn stiffness(&self, a: usize, b: usize) -> f64 {
         self.area * self.gradients[a].dot(&self.gradients[b])
     }
 

@@ -21,6 +21,7 @@ mod energy;
 mod init;
 mod memory;
 mod metric;
+mod paper;
 mod params;
 mod probe;
 mod search;
@@ -35,6 +36,7 @@ use metric::dot;
 use probe::{Probe, SavedProbe};
 
 pub use init::{Initial, Start, initial_labels};
+pub use paper::Stages;
 pub use params::{CutFlowParams, Schedule, Scheme, Topology};
 pub use terms::{CutFields, Energy, Pointwise, Source, Weights};
 
@@ -417,6 +419,9 @@ impl CutFlow {
     /// One step of the scheme from the current state to a J below `ceiling`; a failed search changes the way of searching and is
     /// followed by another.
     fn search(&mut self, ceiling: f64) -> Result<bool, SolveError> {
+        if self.params.scheme == Scheme::Paper {
+            return self.paper_step(ceiling);
+        }
         while self.progress.failures <= search::RETRIES.len() {
             if self.descend(ceiling)? {
                 self.progress.failures = 0;

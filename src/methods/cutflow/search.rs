@@ -45,6 +45,17 @@ impl CutFlow {
     ) -> Result<Option<(LevelSets, Cut, Solution)>, SolveError> {
         let mut levels = self.state.levels.clone();
         self.state.response.apply(direction, scale, &mut levels.values);
+        let moved = scale * direction.iter().fold(0.0f64, |m, d| m.max(d.abs()));
+        self.settle(levels, moved)
+    }
+
+    /// Projects level sets that have moved, keeps the patches' topology and evaluates; `None` if the result cannot be used at
+    /// all. **Takes** how far the cut `moved` at most.
+    pub(super) fn settle(
+        &mut self,
+        mut levels: LevelSets,
+        moved: f64,
+    ) -> Result<Option<(LevelSets, Cut, Solution)>, SolveError> {
         levels.project();
         let vanish = self.has_many_regions();
         topology::keep_simple(
@@ -54,7 +65,7 @@ impl CutFlow {
             self.params.topology,
             vanish,
             self.mean_edge,
-            scale * direction.iter().fold(0.0f64, |m, d| m.max(d.abs())),
+            moved,
         );
         match self.evaluate(&levels) {
             // A closed component that lost its cut would look like a bargain: nothing is left to pay for.

@@ -108,7 +108,7 @@ fn spread_vertices(mesh: &Mesh, geometry: &Geometry, count: u32, seed: u64) -> V
         });
         let Some(next) = next else { break };
         chosen.push(next);
-        front.spread(mesh, geometry, &[next], |v, d| d < distances[v.index()]);
+        front.spread(mesh, geometry, &[(next, 0.0)], |v, d| d < distances[v.index()]);
         for &v in front.reached() {
             let distance = &mut distances[v.index()];
             *distance = distance.min(front.distance(v));
@@ -134,7 +134,7 @@ impl Cells {
         let mut front = GeodesicFront::new(mesh.vertex_count());
         let mut near: Vec<(u32, u32, f64)> = Vec::new();
         for (k, &seed) in seeds.iter().enumerate() {
-            front.spread(mesh, geometry, &[seed], |v, d| d <= limits[v.index()]);
+            front.spread(mesh, geometry, &[(seed, 0.0)], |v, d| d <= limits[v.index()]);
             for &v in front.reached().iter().filter(|&&v| front.distance(v) <= limits[v.index()]) {
                 near.push((v.0, k as u32, front.distance(v)));
             }
