@@ -12,17 +12,21 @@
 mod cut_file;
 mod doctor;
 mod document;
+mod inputs;
 mod layout;
 mod message;
+mod paint;
 mod params;
 mod picture;
 mod preparing;
+mod presets;
 mod regions;
 mod report;
 mod running;
 pub mod samples;
 pub mod scene;
 mod size;
+mod specs;
 mod surface;
 mod text;
 mod undo;
@@ -32,6 +36,7 @@ use std::rc::Rc;
 
 use crate::methods::cutflow::CutFlow;
 use crate::methods::flow::Status;
+use inputs::Layers;
 use preparing::Preparation;
 use work::{Snapshot, Work, start_flow};
 
@@ -40,14 +45,15 @@ pub use document::Document;
 pub use layout::Layout;
 pub use message::{
     Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary, NoticeText,
-    ParamKind, ParamSpec, PatternSize, PieceRow, RepairChoice, Row, SampleChoice, Term, ToolParam,
-    ToolSpec, Value,
+    PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow, PresetChoice, RepairChoice, Row,
+    SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term, ToolParam, ToolSpec, Value,
 };
-pub use params::{Effect, Settings, specs};
+pub use params::{Effect, Settings};
 pub use regions::FaceSource;
 pub use report::{CutReport, FlattenReport, HistoryRow, InfoReport};
 pub use scene::Scene;
 pub use size::settings_for;
+pub use specs::specs;
 pub use surface::Surface;
 pub use text::Problem;
 
@@ -84,6 +90,7 @@ impl Session {
         let result = match command {
             Command::Hello => {
                 events.push(self.samples());
+                events.push(self.presets());
                 Ok(())
             }
             Command::OpenSample { name } => self.adopt(Document::from_sample(&name), &mut events),
@@ -125,6 +132,17 @@ impl Session {
             }
             Command::SetSize { axis, value } => self.set_side(axis, value, &mut events),
             Command::Prepare { tool, values } => self.prepare(&tool, &values, &mut events),
+            Command::ApplyPreset { id } => self.apply_preset(&id, &mut events),
+            Command::Paint { channel, face, place, radius, value, begins } => {
+                self.paint(&channel, face, place, radius, value, begins, &mut events)
+            }
+            Command::ClearPaint { channel } => self.clear_paint(&channel, &mut events),
+            Command::PlaceCircle { face, place } => self.place_circle(face, place, &mut events),
+            Command::HideFromCamera { eye } => self.hide_from_camera(eye, &mut events),
+            Command::FindSymmetries => self.find_symmetries(&mut events),
+            Command::SetSymmetry { ids } => self.set_symmetry(&ids, &mut events),
+            Command::Fold => self.fold(&mut events),
+            Command::Unfold => self.unfold(&mut events),
         };
         if let Err(problem) = result {
             self.refuse(problem, &mut events);
@@ -149,6 +167,10 @@ impl Session {
             // A mesh that is being made anew needs no cut before.
             let stepped = if self.preparation.is_some() {
                 self.prepare_on(&mut events)
+            } else if self.is_behind() {
+                self.catch_up(&mut events)
+            } else if self.is_folding() {
+                self.fold_on(&mut events)
             } else if self.first_cut_is_due() {
                 self.make_first_cut(&mut events);
                 Ok(())
@@ -169,6 +191,7 @@ impl Session {
             && !self.is_running
             && self.preparation.is_none()
             && !work.first_cut_is_due
+            && work.pending == work::Pending::None
             && !work.is_settled
         {
             self.settle(&mut events);
@@ -180,7 +203,16 @@ impl Session {
 
     /// Whether [`Session::advance`] has anything to do.
     pub fn is_running(&self) -> bool {
-        self.is_running || self.preparation.is_some() || self.first_cut_is_due()
+        self.is_running
+            || self.preparation.is_some()
+            || self.first_cut_is_due()
+            || self.is_behind()
+            || self.is_folding()
+    }
+
+    /// Whether something was painted that the flow does not know yet.
+    fn is_behind(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| work.pending != work::Pending::None)
     }
 
     fn first_cut_is_due(&self) -> bool {
@@ -191,7 +223,7 @@ impl Session {
     fn make_first_cut(&mut self, events: &mut Vec<Event>) {
         let Some(work) = &mut self.work else { return };
         work.first_cut_is_due = false;
-        match start_flow(&work.document, &work.settings, None) {
+        match work.new_flow(None) {
             Ok(flow) => work.begin(flow),
             Err(problem) => {
                 // As with small meshes: opened all the same, with a notice. What Undo holds as well stays as it is.
@@ -344,7 +376,7 @@ impl Session {
         events: &mut Vec<Event>,
     ) {
         let is_large = document.surface.is_some() && document.triangles.len() > SHOWN_FIRST;
-        let flow = match (!is_large).then(|| start_flow(&document, &settings, None)).transpose() {
+        let flow = match (!is_large).then(|| start_flow(&document, &settings, &Layers::default(), None)).transpose() {
             Ok(flow) => flow,
             Err(_) if document.surface.is_none() => None,
             Err(problem) => {
@@ -366,6 +398,7 @@ impl Session {
         if let Some(old) = old {
             work.revision = old.revision.max(1);
             work.layout = old.layout;
+            work.symmetries = old.symmetries;
         }
         if is_other {
             events.push(Event::Mesh(work.document.summary.clone()));
@@ -378,6 +411,9 @@ impl Session {
             events.extend(self.mesh_events());
         }
         events.push(self.parameters());
+        events.push(self.presets());
+        events.push(self.paint_channels());
+        events.push(self.symmetries());
         if !is_other {
             events.extend(self.size_event());
         }
@@ -432,7 +468,7 @@ impl Session {
         params.validate().map_err(|error| Problem::solve(&work.document.name, &error))?;
         let restarted = match effect {
             Effect::Restart if work.document.surface.is_some() => {
-                Some(start_flow(&work.document, &settings, None)?)
+                Some(start_flow(&work.document, &settings, &work.layers, None)?)
             }
             _ => None,
         };
@@ -440,6 +476,7 @@ impl Session {
             || format!("change {id}"),
             |spec| format!("change {}", spec.label.to_lowercase()),
         );
+        let label = if id.starts_with("preset ") { id.to_owned() } else { label };
         self.remember(&label, &format!("set {id}"));
         let Some(work) = &mut self.work else { return Ok(()) };
         work.settings = settings;
@@ -452,19 +489,28 @@ impl Session {
             }
             (Effect::NextStep | Effect::Restart, None) => {
                 let name = &work.document.name;
+                let fields = work.fields();
                 if let Some(flow) = &mut work.flow {
                     flow.set_params(params).map_err(|e| Problem::solve(name, &e))?;
-                    // One curve has one measure: the steps before are told by the new weights too.
-                    for row in &mut work.history {
-                        *row = row.reweighted(&params.weights);
+                    if ["source", "heat"].contains(&id) {
+                        flow.set_fields(&fields).map_err(|e| Problem::solve(name, &e))?;
                     }
+                    work.remeasure();
                     self.push_energy(events);
                 }
                 events.extend(self.work.as_ref().map(Work::measures));
             }
+            (Effect::Finish, None) => {
+                work.is_settled = false;
+                if !self.is_running {
+                    self.settle(events);
+                    events.push(Event::Scene);
+                }
+            }
             (Effect::Export, None) => events.push(work.measures()),
         }
         events.push(self.parameters());
+        events.push(self.presets());
         events.extend(self.size_event());
         events.push(self.history_event());
         events.push(self.status());

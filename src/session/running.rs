@@ -3,7 +3,7 @@
 use super::message::Event;
 use super::report::HistoryRow;
 use super::text::Problem;
-use super::work::{Work, energy_event, start_flow};
+use super::work::{Work, energy_event};
 use super::{Session, nothing_open};
 use crate::methods::flow::{Flow, Status};
 
@@ -59,7 +59,7 @@ impl Session {
     pub(super) fn reset(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
         let Some(work) = &self.work else { return Err(nothing_open()) };
-        let flow = start_flow(&work.document, &work.settings, None)?;
+        let flow = work.new_flow(None)?;
         self.remember("reset", "reset");
         if let Some(work) = &mut self.work {
             work.begin(flow);
@@ -87,7 +87,7 @@ impl Session {
         if work.flow.is_some() {
             return Ok(());
         }
-        let flow = start_flow(&work.document, &work.settings, None)?;
+        let flow = work.new_flow(None)?;
         work.begin(flow);
         self.push_energy(events);
         self.settle(events);
@@ -95,6 +95,9 @@ impl Session {
     }
 
     pub(super) fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        if self.is_behind() {
+            self.catch_up(events)?;
+        }
         let Some(work) = &mut self.work else { return Ok(()) };
         let limit = work.settings.number("steps");
         let Some(flow) = &mut work.flow else {
@@ -105,7 +108,7 @@ impl Session {
         let report = flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
         if report.step > before {
             let energy = flow.state().energy();
-            let weights = flow.params().weights;
+            let weights = *flow.weights();
             let row = HistoryRow::new(report.step, &energy, &weights);
             work.history.push(row);
             work.is_settled = false;

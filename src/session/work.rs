@@ -3,6 +3,8 @@
 use std::rc::Rc;
 
 use super::document::Document;
+use super::folding::Fold;
+use super::inputs::{self, Layers};
 use super::layout::Layout;
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
 use super::params::Settings;
@@ -11,17 +13,37 @@ use super::surface::Surface;
 use super::text::Problem;
 use super::{nothing_open, picture, size};
 use crate::mesh::CutMesh;
-use crate::methods::cutflow::{Checkpoint, CutFlow, Weights};
+use crate::geometry::Symmetry;
+use crate::methods::cutflow::{Checkpoint, CutFields, CutFlow, Pointwise, Stages, Weights};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, Pattern, Sheet, SheetParams};
 
 /// The export that needs no cut.
 pub(super) const MESH: &str = "Mesh (OBJ)";
 
+/// What was painted since the flow last looked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Pending {
+    /// Nothing.
+    #[default]
+    None,
+    /// Sources, penalties, pins: the next step acts on them.
+    Fields,
+    /// Where the flow starts.
+    Restart,
+}
+
 /// A document, its parameters and its cut.
 pub(super) struct Work {
     pub document: Rc<Document>,
     pub settings: Settings,
+    pub layers: Layers,
+    pub pending: Pending,
+    /// Symmetries that were found, once somebody looked.
+    pub symmetries: Option<Rc<Vec<Symmetry>>>,
+    /// One step of the paper's flow from the current cut, for whoever wants to see it.
+    pub stages: Option<Stages>,
+    pub fold: Option<Fold>,
     pub flow: Option<CutFlow>,
     pub history: Vec<HistoryRow>,
     pub layout: Option<Layout>,
@@ -41,6 +63,7 @@ pub(super) struct Snapshot {
     pub kind: String,
     pub document: Rc<Document>,
     pub settings: Settings,
+    pub layers: Layers,
     pub checkpoint: Option<Checkpoint>,
     pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
@@ -66,6 +89,30 @@ impl Work {
         }
     }
 
+    /// A flow from the initial cut, or from a checkpoint.
+    pub fn new_flow(&self, checkpoint: Option<&Checkpoint>) -> Result<CutFlow, Problem> {
+        start_flow(&self.document, &self.settings, &self.layers, checkpoint)
+    }
+
+    /// Sources, penalties and pins as they are now.
+    pub fn fields(&self) -> CutFields {
+        inputs::fields(&self.settings, &self.layers, self.vertex_count())
+    }
+
+    /// Tells the curve by what the flow measures now: the steps before by the new weights too, as far as their terms were
+    /// measured; from the current cut on where they were not.
+    pub fn remeasure(&mut self) {
+        let Some(flow) = &self.flow else { return };
+        let weights = *flow.weights();
+        for row in &mut self.history {
+            *row = row.reweighted(&weights);
+        }
+        if let Some(last) = self.history.last_mut() {
+            *last = HistoryRow::new(flow.steps(), &flow.state().energy(), &weights);
+        }
+        self.stages = None;
+    }
+
     fn vertex_count(&self) -> usize {
         self.document.surface.as_ref().map_or(0, |surface| surface.mesh.vertex_count())
     }
@@ -83,8 +130,8 @@ impl Work {
 
     /// J and its terms at every step so far.
     pub fn energy_curve(&self) -> impl Iterator<Item = Event> + '_ {
-        let weights = self.settings.flow_params().weights;
-        self.history.iter().map(move |row| energy_event(row, &weights))
+        let params = self.settings.flow_params();
+        self.history.iter().map(move |row| energy_event(row, &params.weights_at(row.step)))
     }
 
     pub fn snapshot(&self, label: &str, kind: &str) -> Snapshot {
@@ -93,6 +140,7 @@ impl Work {
             kind: kind.to_owned(),
             document: self.document.clone(),
             settings: self.settings.clone(),
+            layers: self.layers.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
             first_cut_is_due: self.first_cut_is_due,
             history: self.history.clone(),
@@ -106,6 +154,11 @@ impl Work {
         Self {
             document,
             settings,
+            layers: Layers::default(),
+            pending: Pending::None,
+            symmetries: None,
+            stages: None,
+            fold: None,
             flow,
             history,
             layout: None,
@@ -120,6 +173,8 @@ impl Work {
     pub fn begin(&mut self, flow: CutFlow) {
         self.history = vec![first_row(&flow)];
         self.flow = Some(flow);
+        self.pending = Pending::None;
+        self.stages = None;
         self.first_cut_is_due = false;
         self.start = None;
         self.is_settled = false;
@@ -348,14 +403,18 @@ impl Work {
 pub(super) fn start_flow(
     document: &Document,
     settings: &Settings,
+    layers: &Layers,
     checkpoint: Option<&Checkpoint>,
 ) -> Result<CutFlow, Problem> {
     let wrong = |error| Problem::solve(&document.name, &error);
     let surface = document.surface()?;
-    let initial = settings.initial(surface)?;
+    let initial = inputs::initial(settings, layers, surface)?;
     let (mesh, geometry) = surface.solving();
-    let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &initial, settings.flow_params())
-        .map_err(wrong)?;
+    let fields = inputs::fields(settings, layers, mesh.vertex_count());
+    let params = settings.flow_params();
+    let mut flow =
+        CutFlow::with_fields(mesh.clone(), geometry.clone(), &initial, params, &fields)
+            .map_err(wrong)?;
     if let Some(checkpoint) = checkpoint {
         flow.restore(checkpoint).map_err(wrong)?;
     }
@@ -364,19 +423,28 @@ pub(super) fn start_flow(
 
 /// The history's row of a flow that has just begun.
 pub(super) fn first_row(flow: &CutFlow) -> HistoryRow {
-    HistoryRow::new(flow.steps(), &flow.state().energy(), &flow.params().weights)
+    HistoryRow::new(flow.steps(), &flow.state().energy(), flow.weights())
 }
 
 /// A point of the energy plot.
 pub(super) fn energy_event(row: &HistoryRow, weights: &Weights) -> Event {
     let distortion = match (weights.dirichlet > 0.0, weights.hencky > 0.0) {
         (true, false) => "Dirichlet",
-        (false, true) => "Hencky",
+        (false, true) if weights.pointwise == Pointwise::Square => "Hencky",
         _ => "Distortion",
     };
+    let energy = &row.energy;
     let term = |name: &str, value: f64| Term { name: name.into(), value };
-    let terms =
-        vec![term("Length α|γ|", row.total - row.distortion), term(distortion, row.distortion)];
+    let mut terms = vec![
+        term("Length α|γ|", weights.length * energy.length),
+        term(distortion, row.distortion),
+    ];
+    if energy.penalty > 0.0 && weights.penalty > 0.0 {
+        terms.push(term("Penalty", weights.penalty * energy.penalty));
+    }
+    if weights.area > 0.0 {
+        terms.push(term("Growth", -weights.area * energy.area));
+    }
     Event::Energy { step: row.step, total: row.total, terms }
 }
 
