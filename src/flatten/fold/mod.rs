@@ -176,7 +176,8 @@ impl FoldFlow {
         assert!(opened.vertex_points.iter().all(|&p| (p as usize) < points.len()));
         let sheet = Sheet::new(opened, points, flattening, &params);
         // An area that overflows or vanishes has no scale to divide by.
-        if !(sheet.area > 1e-200 && sheet.area < 1e200) || sheet.origin.iter().any(|x| !x.is_finite())
+        if !(sheet.area > 1e-200 && sheet.area < 1e200)
+            || sheet.origin.iter().any(|x| !x.is_finite())
         {
             return Err(SolveError::NotFinite);
         }
@@ -235,11 +236,7 @@ impl FoldFlow {
 
     /// What is needed to go on from here.
     pub fn checkpoint(&self) -> FoldCheckpoint {
-        FoldCheckpoint {
-            x: self.x.clone(),
-            progress: self.progress.clone(),
-            status: self.status,
-        }
+        FoldCheckpoint { x: self.x.clone(), progress: self.progress.clone(), status: self.status }
     }
 
     /// Goes back to a checkpoint of a flow on the same surface. Later steps repeat bit for bit.

@@ -161,8 +161,7 @@ impl Sheet {
             }
             let uv = corners.map(|v| flattening.uv[v.index()]);
             let is_flat = uv.iter().all(|p| p.x.is_finite() && p.y.is_finite());
-            let places =
-                if is_flat { uv.map(|p| Vector3::new(p.x, p.y, 0.0)) } else { original };
+            let places = if is_flat { uv.map(|p| Vector3::new(p.x, p.y, 0.0)) } else { original };
             let triangle = Triangle::flat(owners, places);
             for (i, h) in mesh.face_halfedges(f).into_iter().enumerate() {
                 side_areas[h.edge().index()] += triangle.area() / 3.0;
@@ -440,7 +439,9 @@ mod tests {
         let random = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 8) / 8_388_608.0 - 1.0;
         let mut cases: Vec<[Vector3<f64>; 2]> = (0..40)
             .map(|i| {
-                let v = |k: u32| Vector3::new(random(6 * i + k), random(6 * i + k + 1), random(6 * i + k + 2));
+                let v = |k: u32| {
+                    Vector3::new(random(6 * i + k), random(6 * i + k + 1), random(6 * i + k + 2))
+                };
                 [v(0), v(3)]
             })
             .collect();
@@ -449,9 +450,8 @@ mod tests {
         cases.extend([[Vector3::zeros(); 2], [x, x + Vector3::new(1e-9, 0.0, 0.0)]]);
         for f in &cases {
             let r = nearest_isometry(f);
-            let distance = |r: &[Vector3<f64>; 2]| {
-                (f[0] - r[0]).norm_squared() + (f[1] - r[1]).norm_squared()
-            };
+            let distance =
+                |r: &[Vector3<f64>; 2]| (f[0] - r[0]).norm_squared() + (f[1] - r[1]).norm_squared();
             // Nearly parallel columns leave half the digits for the direction across.
             for (a, b, exact) in [(0, 0, 1.0), (1, 1, 1.0), (0, 1, 0.0)] {
                 assert!((r[a].dot(&r[b]) - exact).abs() < 1e-6, "{f:?} {r:?}");
