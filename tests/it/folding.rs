@@ -174,13 +174,20 @@ fn a_developable_surface_is_its_own_preview() {
         assert_eq!(flow.status(), Status::Converged, "{name}: {:?}", flow.state().energy());
         let measures = flow.measures();
         assert!(measures.stretch < 1e-9 && measures.distance_max < 1e-9, "{name}: {measures:?}");
-        // As paper, disturbed: bending moves it by about β / r², 1e-5; folds inside the cross are rounded off a little.
-        let mut flow = case.fold(FoldParams::default());
-        let start = flow.state().energy().total;
-        run_checked(&mut flow, 300);
-        let measures = flow.measures();
-        assert!(flow.state().energy().total < 0.5 * start, "{name}");
-        assert!(measures.stretch < 2e-3 && measures.distance_mean < 2e-3, "{name}: {measures:?}");
+        // As paper, disturbed. Seams fold freely, so a closed tube gets a slight keel along its seam, like a drop: that
+        // is what paper does, and a stronger pull undoes it. Bending stretches it by about β / r², 1e-5.
+        for (pull, near) in [(0.01, 5e-3), (1.0, 1e-3)] {
+            let mut flow = case.fold(FoldParams { pull, ..FoldParams::default() });
+            let start = flow.state().energy().total;
+            run_checked(&mut flow, 300);
+            let measures = flow.measures();
+            eprintln!("{name}, pull {pull}: {measures:?} after {} steps", flow.steps());
+            assert!(flow.state().energy().total < 0.5 * start, "{name}");
+            assert!(
+                measures.stretch < 2e-3 && measures.distance_mean < near,
+                "{name}: {measures:?}"
+            );
+        }
     }
 }
 
