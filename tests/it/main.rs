@@ -12,6 +12,7 @@ mod cutgraphs;
 mod cutting;
 mod doctoring;
 mod flattening;
+mod folding;
 mod golden;
 mod measuring;
 mod mutation;
