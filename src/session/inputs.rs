@@ -74,9 +74,7 @@ pub fn initial(
         "uv" => of_faces(surface, FaceSource::UvIslands)?,
         "groups" => of_faces(surface, FaceSource::Groups)?,
         "materials" => of_faces(surface, FaceSource::Materials)?,
-        "volleyball" => {
-            Initial::Volleyball { axes: [Vector3::x(), Vector3::y(), Vector3::z()] }
-        }
+        "volleyball" => Initial::Volleyball { axes: [Vector3::x(), Vector3::y(), Vector3::z()] },
         _ => Initial::NormalClusters {
             angle: settings.number("angle").to_radians(),
             regions: count("regions"),

@@ -376,7 +376,10 @@ impl Session {
         events: &mut Vec<Event>,
     ) {
         let is_large = document.surface.is_some() && document.triangles.len() > SHOWN_FIRST;
-        let flow = match (!is_large).then(|| start_flow(&document, &settings, &Layers::default(), None)).transpose() {
+        let flow = match (!is_large)
+            .then(|| start_flow(&document, &settings, &Layers::default(), None))
+            .transpose()
+        {
             Ok(flow) => flow,
             Err(_) if document.surface.is_none() => None,
             Err(problem) => {

@@ -24,8 +24,18 @@ const MOST_LABELS: f64 = 255.0;
 
 /// Identifier, label, kind and help of everything that can be painted.
 const CHANNELS: [[&str; 4]; 5] = [
-    ["region", "Regions", "label", "Regions that the cut starts between. The first stroke goes on from the cut that is there."],
-    ["seed", "Seeds", "place", "Every click sets a seed; the cut starts between the cells around them."],
+    [
+        "region",
+        "Regions",
+        "label",
+        "Regions that the cut starts between. The first stroke goes on from the cut that is there.",
+    ],
+    [
+        "seed",
+        "Seeds",
+        "place",
+        "Every click sets a seed; the cut starts between the cells around them.",
+    ],
     ["penalty", "Hide", "amount", "Cuts avoid what is painted: faces, logos, what is in sight."],
     ["heat", "Heat", "amount", "Where more heat has to be led away: the cut gets denser there."],
     ["pin", "Pin", "amount", "The cut stays where it is."],
@@ -94,8 +104,10 @@ impl Session {
                         seeds.push(nearest);
                     }
                 } else {
-                    let at = |v: &VertexId| (surface.geometry.positions[v.index()] - dab.place).norm();
-                    let closest = (0..seeds.len()).min_by(|&a, &b| at(&seeds[a]).total_cmp(&at(&seeds[b])));
+                    let at =
+                        |v: &VertexId| (surface.geometry.positions[v.index()] - dab.place).norm();
+                    let closest =
+                        (0..seeds.len()).min_by(|&a, &b| at(&seeds[a]).total_cmp(&at(&seeds[b])));
                     if let Some(i) = closest {
                         seeds.remove(i);
                     }

@@ -10,9 +10,7 @@ use std::collections::BTreeMap;
 use super::message::{ParamKind, Value};
 use super::specs::specs;
 use super::text::Problem;
-use crate::methods::cutflow::{
-    CutFlowParams, Pointwise, Schedule, Scheme, Topology, Weights,
-};
+use crate::methods::cutflow::{CutFlowParams, Pointwise, Schedule, Scheme, Topology, Weights};
 
 /// Values of all parameters of the cut flow.
 #[derive(Clone, Debug, PartialEq)]

@@ -51,14 +51,12 @@ impl Session {
             if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
         let Some(target) = from.last() else { return Ok(()) };
         let flow = match &target.checkpoint {
-            Some(checkpoint) => {
-                Some(start_flow(
+            Some(checkpoint) => Some(start_flow(
                 &target.document,
                 &target.settings,
                 &target.layers,
                 Some(checkpoint),
-            )?)
-            }
+            )?),
             None => None,
         };
         let Some(target) = from.pop() else { return Ok(()) };

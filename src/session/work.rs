@@ -12,8 +12,8 @@ use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_repo
 use super::surface::Surface;
 use super::text::Problem;
 use super::{nothing_open, picture, size};
-use crate::mesh::CutMesh;
 use crate::geometry::Symmetry;
+use crate::mesh::CutMesh;
 use crate::methods::cutflow::{Checkpoint, CutFields, CutFlow, Pointwise, Stages, Weights};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, Pattern, Sheet, SheetParams};
@@ -412,9 +412,8 @@ pub(super) fn start_flow(
     let (mesh, geometry) = surface.solving();
     let fields = inputs::fields(settings, layers, mesh.vertex_count());
     let params = settings.flow_params();
-    let mut flow =
-        CutFlow::with_fields(mesh.clone(), geometry.clone(), &initial, params, &fields)
-            .map_err(wrong)?;
+    let mut flow = CutFlow::with_fields(mesh.clone(), geometry.clone(), &initial, params, &fields)
+        .map_err(wrong)?;
     if let Some(checkpoint) = checkpoint {
         flow.restore(checkpoint).map_err(wrong)?;
     }
@@ -435,10 +434,8 @@ pub(super) fn energy_event(row: &HistoryRow, weights: &Weights) -> Event {
     };
     let energy = &row.energy;
     let term = |name: &str, value: f64| Term { name: name.into(), value };
-    let mut terms = vec![
-        term("Length α|γ|", weights.length * energy.length),
-        term(distortion, row.distortion),
-    ];
+    let mut terms =
+        vec![term("Length α|γ|", weights.length * energy.length), term(distortion, row.distortion)];
     if energy.penalty > 0.0 && weights.penalty > 0.0 {
         terms.push(term("Penalty", weights.penalty * energy.penalty));
     }
