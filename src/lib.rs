@@ -16,7 +16,7 @@
 //! | 5 | [`session`] | commands in, events out: documents, parameters, undo, scenes, reports. The only serde |
 //! | 6 | `viewer` | wgpu pictures of [`session::scene`]. Knows no geometry processing |
 //! | 6 | `web` | two wasm files: `Engine` (worker, no graphics) and `Viewer` (page, no solvers) |
-//! | 6 | `bin/cutflow.rs` | the same session from a terminal |
+//! | 6 | `bin/cutflow` | the same session from a terminal |
 //!
 //! # From a file to a pattern
 //!

@@ -1,6 +1,7 @@
 //! The developable preview: the surface that the flat pieces make when they are sewn together.
 
 use super::message::Event;
+use super::report::FoldReport;
 use super::text::Problem;
 use super::{Session, nothing_open};
 use crate::flatten::fold::{FoldFlow, FoldParams};
@@ -25,9 +26,8 @@ impl Session {
         let Some(layout) = &work.layout else { return Err(nothing_open()) };
         let wrong = |error| Problem::solve(&work.document.name, &error);
         let params = FoldParams::default();
-        let flow =
-            FoldFlow::new(&layout.opened, &layout.points, &layout.flattening, params)
-                .map_err(wrong)?;
+        let flow = FoldFlow::new(&layout.opened, &layout.points, &layout.flattening, params)
+            .map_err(wrong)?;
         work.fold = Some(Fold { flow, is_running: true });
         self.scene_is_new = true;
         events.push(self.fold_event());
@@ -65,6 +65,19 @@ impl Session {
         self.scene_is_new = true;
         events.push(self.fold_event());
         Ok(())
+    }
+
+    /// The report of `cutflow cut --fold`.
+    pub fn fold_report(&self) -> Result<FoldReport, Problem> {
+        let fold =
+            self.work.as_ref().and_then(|work| work.fold.as_ref()).ok_or_else(nothing_open)?;
+        let measures = fold.flow.measures();
+        Ok(FoldReport {
+            steps: fold.flow.steps(),
+            distance_mean: measures.distance_mean,
+            distance_max: measures.distance_max,
+            stretch: measures.stretch,
+        })
     }
 
     pub(super) fn fold_event(&self) -> Event {

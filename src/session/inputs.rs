@@ -7,12 +7,13 @@ use nalgebra::{Point3, Vector3};
 use super::params::Settings;
 use super::regions::FaceSource;
 use super::surface::Surface;
+use super::symmetric::Kept;
 use super::text::Problem;
 use crate::mesh::VertexId;
 use crate::methods::cutflow::{CutFields, Initial, Source};
 
 /// What a person put on the surface by hand. Empty lists are empty layers.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Layers {
     /// A label for each vertex.
     pub regions: Rc<Vec<u32>>,
@@ -26,6 +27,8 @@ pub struct Layers {
     pub pin: Rc<Vec<f64>>,
     /// Labels of a cut that was brought along.
     pub brought: Rc<Vec<u32>>,
+    /// Symmetries that the cut keeps.
+    pub symmetry: Rc<Kept>,
 }
 
 /// The initial cut that parameters and layers ask for.
@@ -93,7 +96,12 @@ pub fn fields(settings: &Settings, layers: &Layers, vertex_count: usize) -> CutF
         }
         _ => Source::Curvature,
     };
-    CutFields { source, penalty: layers.penalty.to_vec(), pins: layers.pin.to_vec() }
+    CutFields {
+        source,
+        penalty: layers.penalty.to_vec(),
+        pins: layers.pin.to_vec(),
+        symmetry: layers.symmetry.maps.clone(),
+    }
 }
 
 fn of_faces(surface: &Surface, source: FaceSource) -> Result<Initial, Problem> {

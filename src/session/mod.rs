@@ -9,12 +9,15 @@
 //!
 //! This is the only floor that serialises. It reads no clock: drivers measure time and hand in budgets.
 
+mod brought;
 mod cut_file;
 mod doctor;
 mod document;
+mod folding;
 mod inputs;
 mod layout;
 mod message;
+mod overlays;
 mod paint;
 mod params;
 mod picture;
@@ -28,6 +31,7 @@ pub mod scene;
 mod size;
 mod specs;
 mod surface;
+mod symmetric;
 mod text;
 mod undo;
 mod work;
@@ -40,6 +44,7 @@ use inputs::Layers;
 use preparing::Preparation;
 use work::{Snapshot, Work, start_flow};
 
+pub use brought::Brought;
 pub use cut_file::{cut_from_json, surface_layout};
 pub use document::Document;
 pub use layout::Layout;
@@ -50,7 +55,7 @@ pub use message::{
 };
 pub use params::{Effect, Settings};
 pub use regions::FaceSource;
-pub use report::{CutReport, FlattenReport, HistoryRow, InfoReport};
+pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport};
 pub use scene::Scene;
 pub use size::settings_for;
 pub use specs::specs;
@@ -152,6 +157,10 @@ impl Session {
 
     /// Opens a file. What was open stays open if the file cannot be used.
     pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
+        if self.work.is_some() && cut_file::is_cut_file(bytes) {
+            self.remember("bring a cut", "bring");
+            return self.bring(Brought::Cut { name, bytes });
+        }
         let mut events = std::mem::take(&mut self.late);
         self.preparation = None;
         if let Err(problem) = self.adopt(Document::from_bytes(name, bytes), &mut events) {
@@ -265,12 +274,31 @@ impl Session {
                 }
             }
         }
+        let values = match work.vertex_field(&self.field) {
+            Ok(values) => values,
+            Err(problem) => {
+                self.late.push(error_event(problem));
+                None
+            }
+        };
+        self.late.extend(work.stage_numbers(&self.field));
         let layout = work.layout.as_ref()?;
         let surface = work.document.surface.as_ref()?;
         let labels = work.labels();
         let colours = picture::patch_colours(layout, &labels);
-        let scene =
-            picture::scene(surface, layout, &colours, &work.u(), &self.field, work.revision);
+        let folded = work.fold.as_ref().map(|fold| fold.flow.positions());
+        let field = values.as_deref().map(|values| picture::Painted::new(&self.field, values));
+        let u = work.u();
+        let scene = picture::scene(
+            surface,
+            layout,
+            &colours,
+            &u,
+            &self.field,
+            field,
+            folded,
+            work.revision,
+        );
         work.revision += 1;
         Some(scene)
     }
@@ -309,6 +337,11 @@ impl Session {
         if self.first_cut_is_due() {
             let mut events = Vec::new();
             self.make_first_cut(&mut events);
+            self.late.extend(events);
+        }
+        if self.is_behind() {
+            let mut events = Vec::new();
+            self.catch_up(&mut events)?;
             self.late.extend(events);
         }
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
@@ -597,14 +630,19 @@ impl Session {
         };
         let step = work.step();
         let limit = work.settings.number("steps");
-        let (state, text) = if let Some(preparation) = &self.preparation {
+        let folding = work.fold.as_ref().filter(|fold| fold.is_running);
+        let (state, text) = if let Some(fold) = folding {
+            ("running", format!("Running step {} of the fold preview", fold.flow.steps()))
+        } else if let Some(preparation) = &self.preparation {
             ("preparing", preparation.status())
         } else if work.first_cut_is_due {
             ("preparing", format!("Loading {}: making the first cut", work.document.name))
         } else if work.document.surface.is_none() {
             ("ready", "Ready: the mesh needs repair before it can be cut".to_owned())
         } else if self.is_running {
-            ("running", format!("Running step {step}"))
+            let is_testing = work.flow.as_ref().is_some_and(CutFlow::is_testing);
+            let what = if is_testing { ": is there a better cut beside it?" } else { "" };
+            ("running", format!("Running step {step}{what}"))
         } else {
             match work.flow.as_ref().map(CutFlow::status) {
                 None => ("ready", "Ready: not cut yet".to_owned()),
@@ -612,7 +650,7 @@ impl Session {
                 // Every direction was tried at every length: as good an end as the other.
                 Some(Status::Stalled) => (
                     "stalled",
-                    format!("Converged after {step} steps: nothing lowers the energy further"),
+                    format!("Converged after {step} steps: no search lowers the energy further"),
                 ),
                 Some(_) if step as f64 >= limit => {
                     ("step_limit", format!("Paused at step {step}: step limit reached"))

@@ -272,13 +272,8 @@ impl Session {
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
         let Some(work) = &self.work else { return Err(nothing_open()) };
-        let Some((label, settings)) = presets::preset(id, &work.settings) else {
-            return Err(Problem::new(
-                format!("There is no preset called “{id}”."),
-                "In the choice of a preset.",
-                format!("Choose one of {}.", presets::known()),
-            ));
-        };
+        let label = presets::label(id)?;
+        let settings = work.settings.with_preset(id)?;
         self.apply(&format!("preset {label}"), settings, super::Effect::Restart, events)
     }
 }

@@ -3,6 +3,7 @@
 use super::message::{Event, PresetChoice, Value};
 use super::params::Settings;
 use super::specs::specs;
+use super::text::Problem;
 
 /// Parameters for one purpose. Parameters that a preset does not name have their defaults, except the size of things.
 struct Preset {
@@ -118,15 +119,27 @@ impl Preset {
     }
 }
 
-/// The settings that a preset asks for.
-pub fn preset(id: &str, old: &Settings) -> Option<(&'static str, Settings)> {
-    let preset = PRESETS.iter().find(|p| p.id == id)?;
-    Some((preset.label, preset.settings(old)))
+impl Settings {
+    /// The settings for a purpose; unit and size stay.
+    pub fn with_preset(&self, id: &str) -> Result<Self, Problem> {
+        Ok(preset(id)?.settings(self))
+    }
 }
 
-/// Their identifiers.
-pub fn known() -> String {
-    PRESETS.iter().map(|p| p.id).collect::<Vec<_>>().join(", ")
+/// What Undo calls it.
+pub fn label(id: &str) -> Result<&'static str, Problem> {
+    Ok(preset(id)?.label)
+}
+
+fn preset(id: &str) -> Result<&'static Preset, Problem> {
+    PRESETS.iter().find(|p| p.id == id).ok_or_else(|| {
+        let known = PRESETS.iter().map(|p| p.id).collect::<Vec<_>>().join(", ");
+        Problem::new(
+            format!("There is no preset called “{id}”."),
+            "In the choice of a preset.",
+            format!("Choose one of {known}."),
+        )
+    })
 }
 
 /// All presets, and the one that is in force: all it asks for is set, whatever the numbers of steps.

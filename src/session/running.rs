@@ -1,9 +1,10 @@
 //! Driving the flow: run, pause, step, reset, and the steps themselves.
 
+use super::inputs::Layers;
 use super::message::Event;
 use super::report::HistoryRow;
 use super::text::Problem;
-use super::work::{Work, energy_event};
+use super::work::{Work, energy_event, start_flow};
 use super::{Session, nothing_open};
 use crate::methods::flow::{Flow, Status};
 
@@ -14,6 +15,9 @@ impl Session {
         if self.is_at_end() {
             events.push(self.status());
             return Ok(());
+        }
+        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
+            self.unfold(events)?;
         }
         if !self.is_running {
             let step = self.work.as_ref().map_or(0, Work::step);
@@ -72,6 +76,28 @@ impl Session {
         Ok(())
     }
 
+    /// Starts again with other layers.
+    pub(super) fn restart_with(
+        &mut self,
+        layers: Layers,
+        label: &str,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let flow = start_flow(&work.document, &work.settings, &layers, None)?;
+        self.remember(label, label);
+        if let Some(work) = &mut self.work {
+            work.layers = layers;
+            work.begin(flow);
+        }
+        self.push_energy(events);
+        self.settle(events);
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
     /// Whether Run has nothing left to do.
     fn is_at_end(&self) -> bool {
         self.work.as_ref().is_some_and(|work| {
@@ -112,6 +138,8 @@ impl Session {
             let row = HistoryRow::new(report.step, &energy, &weights);
             work.history.push(row);
             work.is_settled = false;
+            work.stages = None;
+            work.fold = None;
             self.scene_is_new = true;
             events.push(energy_event(&row, &weights));
         }

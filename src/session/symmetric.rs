@@ -1,11 +1,14 @@
 //! Symmetries of the surface: finding them, choosing some, keeping the cut symmetric.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use super::message::{Event, SymmetryChoice};
 use super::text::Problem;
-use super::{Effect, Session, nothing_open};
-use crate::geometry::{Symmetry, SymmetryError, SymmetryKind, SymmetryMap, find_symmetries, symmetry_group};
+use super::{Session, nothing_open};
+use crate::geometry::{
+    Symmetry, SymmetryError, SymmetryKind, SymmetryMap, find_symmetries, symmetry_group,
+};
 
 /// Largest deviation that still counts as symmetric, as a fraction of the size: a model that was made by hand.
 const TOLERANCE: f64 = 0.02;
@@ -19,7 +22,7 @@ pub struct Kept {
     /// Their identifiers.
     pub ids: Vec<String>,
     /// The group that they make, without the identity.
-    pub maps: Vec<SymmetryMap>,
+    pub maps: Arc<Vec<SymmetryMap>>,
 }
 
 impl Session {
@@ -33,6 +36,14 @@ impl Session {
         }
         events.push(self.symmetries());
         Ok(())
+    }
+
+    /// What was found.
+    pub fn symmetry_choices(&self) -> Vec<SymmetryChoice> {
+        match self.symmetries() {
+            Event::Symmetries { options, .. } => options,
+            _ => Vec::new(),
+        }
     }
 
     pub(super) fn symmetries(&self) -> Event {
@@ -80,10 +91,9 @@ impl Session {
             symmetry_group(&surface.mesh, &surface.geometry, &chosen, MOST)
                 .map_err(|error| refused(&work.document.name, &error))?
         };
-        let before = work.layers.clone();
-        let mut layers = before.clone();
-        layers.symmetry = Rc::new(Kept { ids: ids.to_vec(), maps });
-        self.apply_layers("symmetry", layers, Effect::Restart, events)?;
+        let mut layers = work.layers.clone();
+        layers.symmetry = Rc::new(Kept { ids: ids.to_vec(), maps: Arc::new(maps) });
+        self.restart_with(layers, "change symmetry", events)?;
         events.push(self.symmetries());
         Ok(())
     }
@@ -99,7 +109,8 @@ fn named(found: &[Symmetry]) -> impl Iterator<Item = (String, String, &Symmetry)
         };
         let count = counts.entry(order).or_default();
         *count += 1;
-        let id = if order == 0 { format!("mirror-{count}") } else { format!("axis{order}-{count}") };
+        let id =
+            if order == 0 { format!("mirror-{count}") } else { format!("axis{order}-{count}") };
         let label = match order {
             0 => format!("Mirror plane {count}"),
             _ => format!("{order}-fold axis {count}"),

@@ -331,6 +331,10 @@ impl Work {
             patches: patch_reports(layout),
             flattening: FlattenReport::new(layout, None),
             mm_per_unit: size::mm_per_file_unit(&self.document, &self.settings),
+            penalty: energy.penalty,
+            region_area: energy.area,
+            symmetry: self.layers.symmetry.ids.clone(),
+            fold: None,
             seconds,
             seconds_per_step: seconds.filter(|_| steps > 0).map(|s| s / steps as f64),
         })
@@ -373,6 +377,23 @@ impl Work {
                 };
                 let bytes = pattern::svg(&Sheet::new(pieces, &params));
                 Ok(file("pattern.svg", "image/svg+xml", bytes))
+            }
+            "Folded surface (OBJ)" => {
+                let Some(fold) = &self.fold else {
+                    return Err(Problem::new(
+                        "The surface has not been folded.",
+                        format!("{}.", document.name),
+                        "Choose Fold preview first.",
+                    ));
+                };
+                let unit = 1.0 / given.frame.scale;
+                let places: Vec<[f64; 3]> = fold
+                    .flow
+                    .positions()
+                    .iter()
+                    .map(|p| (given.frame.centre + p.coords * unit).into())
+                    .collect();
+                Ok(file("folded.obj", "model/obj", folded_obj(layout, &places)))
             }
             "Report (JSON)" => {
                 #[derive(serde::Serialize)]
@@ -443,6 +464,18 @@ pub(super) fn energy_event(row: &HistoryRow, weights: &Weights) -> Event {
         terms.push(term("Growth", -weights.area * energy.area));
     }
     Event::Energy { step: row.step, total: row.total, terms }
+}
+
+/// A folded surface with its texture coordinates left out: points of the cut surface, seams sewn.
+fn folded_obj(layout: &Layout, places: &[[f64; 3]]) -> Vec<u8> {
+    let mut text = String::from("# the surface rebuilt from its flat pieces\n");
+    for [x, y, z] in places {
+        text += &format!("v {x} {y} {z}\n");
+    }
+    for [a, b, c] in &layout.cut.triangles {
+        text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+    }
+    text.into_bytes()
 }
 
 /// A file name without its folders.

@@ -40,7 +40,7 @@ impl Case {
     /// A surface after some steps of the cut flow, its patches cut to disks.
     fn of_flow(surface: Surface, initial: &Initial, hencky: f64, steps: usize) -> Self {
         let Surface { mesh, geometry, .. } = surface;
-        let weights = Weights { dirichlet: 1.0, hencky, length: 2.0 };
+        let weights = Weights { dirichlet: 1.0, hencky, length: 2.0, ..Weights::default() };
         let params = CutFlowParams { weights, ..CutFlowParams::default() };
         let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), initial, params).unwrap();
         for _ in 0..steps {

@@ -38,8 +38,8 @@ impl Inertia {
         let values = eigen.eigenvalues;
         let largest = values.max();
         let axes = [0, 1, 2].map(|i| eigen.eigenvectors.column(i).into_owned().normalize());
-        let equal = [0, 1, 2]
-            .map(|i| (values[(i + 1) % 3] - values[(i + 2) % 3]).abs() < EQUAL * largest);
+        let equal =
+            [0, 1, 2].map(|i| (values[(i + 1) % 3] - values[(i + 2) % 3]).abs() < EQUAL * largest);
         Self { axes, equal }
     }
 

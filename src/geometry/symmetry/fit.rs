@@ -43,7 +43,8 @@ impl<'a> Shape<'a> {
         let positions = &geometry.positions;
         let mut moment = Vector3::zeros();
         for (t, area) in mesh.triangles().iter().zip(&geometry.face_areas) {
-            moment += t.iter().map(|v| positions[v.index()].coords).sum::<Vector3<f64>>() * (area / 3.0);
+            moment +=
+                t.iter().map(|v| positions[v.index()].coords).sum::<Vector3<f64>>() * (area / 3.0);
         }
         let centre = Point3::from(moment / geometry.total_area());
         let farthest = |from: Point3<f64>| {
@@ -217,9 +218,8 @@ impl<'a> Shape<'a> {
         for _ in 0..10 {
             let matrix = linear_part(kind, direction);
             let samples = self.samples.iter().take(FITTED);
-            let mut hits: Vec<(VertexId, Hit)> = samples
-                .filter_map(|&v| Some((v, self.image(v, &matrix, centre, None)?)))
-                .collect();
+            let mut hits: Vec<(VertexId, Hit)> =
+                samples.filter_map(|&v| Some((v, self.image(v, &matrix, centre, None)?))).collect();
             // The worst tenth does not vote: what has no counterpart.
             hits.sort_by(|a, b| a.1.squared.total_cmp(&b.1.squared).then(a.0.cmp(&b.0)));
             hits.truncate(hits.len() * 9 / 10);
@@ -274,8 +274,10 @@ fn spread(mesh: &Mesh, geometry: &Geometry) -> Vec<VertexId> {
     let used = mesh.vertices().filter(|&v| mesh.halfedge(v).is_some());
     if mesh.vertex_count() <= CHECKED {
         // Few enough to take each once, in the same scattered order.
-        let mut all: Vec<(f64, VertexId)> =
-            used.enumerate().map(|(i, v)| ((i as f64 * 0.618_033_988_749_895).fract(), v)).collect();
+        let mut all: Vec<(f64, VertexId)> = used
+            .enumerate()
+            .map(|(i, v)| ((i as f64 * 0.618_033_988_749_895).fract(), v))
+            .collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         return all.into_iter().map(|(_, v)| v).collect();
     }

@@ -136,10 +136,7 @@ fn common_point(shape: &Shape, generators: &[Symmetry]) -> Result<Point3<f64>, S
 }
 
 /// The products of matrices, generators first, without the identity.
-fn closure(
-    generators: &[Symmetry],
-    most: usize,
-) -> Result<Vec<Matrix3<f64>>, SymmetryError> {
+fn closure(generators: &[Symmetry], most: usize) -> Result<Vec<Matrix3<f64>>, SymmetryError> {
     let mut elements = vec![Matrix3::identity()];
     let add = |matrix: Matrix3<f64>, elements: &mut Vec<Matrix3<f64>>| {
         if elements.iter().any(|e| (e - matrix).norm() < SAME) {

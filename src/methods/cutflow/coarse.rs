@@ -39,7 +39,7 @@ type Place = ([VertexId; 3], [f64; 3]);
 
 /// A flow on the coarse surface.
 pub(super) struct Coarse {
-    flow: CutFlow,
+    flow: Box<CutFlow>,
     /// Every fine vertex on the coarse surface.
     places: Vec<Place>,
     failures: usize,
@@ -112,7 +112,7 @@ impl CutFlow {
         params.tolerance = params.tolerance.max(1e-3);
         match Self::from_start(mesh, geometry, start, params, &fields) {
             Ok(flow) if regions(&flow) == regions(self) => {
-                Ok(Some(Coarse { flow, places, failures: 0 }))
+                Ok(Some(Coarse { flow: Box::new(flow), places, failures: 0 }))
             }
             // Too coarse for this cut.
             Ok(_) | Err(SolveError::EmptyCut { .. }) => Ok(None),
