@@ -225,11 +225,7 @@ impl Node {
 }
 
 /// Where a ray meets a triangle, in multiples of its direction; none where it misses it or lies in its plane.
-fn meets(
-    corners: &[Point3<f64>; 3],
-    origin: Point3<f64>,
-    direction: Vector3<f64>,
-) -> Option<f64> {
+fn meets(corners: &[Point3<f64>; 3], origin: Point3<f64>, direction: Vector3<f64>) -> Option<f64> {
     let [a, b, c] = *corners;
     let (ab, ac) = (b - a, c - a);
     let normal = direction.cross(&ac);

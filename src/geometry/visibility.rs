@@ -47,7 +47,8 @@ pub fn visibility(mesh: &Mesh, geometry: &Geometry, eye: Point3<f64>) -> Vec<f64
 /// For each vertex whether its component has a boundary.
 fn seen_from_both_sides(mesh: &Mesh) -> Vec<bool> {
     let mut is_open = vec![false; mesh.vertex_count()];
-    let mut stack: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).collect();
+    let mut stack: Vec<VertexId> =
+        mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).collect();
     for v in &stack {
         is_open[v.index()] = true;
     }

@@ -26,4 +26,5 @@ mod reading_solids;
 mod scripts;
 mod solving;
 mod surfaces;
+mod symmetries;
 mod tidy;

@@ -279,8 +279,7 @@ impl RemeshFlow {
             _ => None,
         };
         let hit = self.nearest.find_among(point, hint, |f| {
-            self.face_parts[f.index()] == part
-                && !(self.face_vectors[f.index()].dot(&normal) < 0.0)
+            self.face_parts[f.index()] == part && !(self.face_vectors[f.index()].dot(&normal) < 0.0)
         })?;
         Some((Place::Free(hit.face.0), hit.weights, hit.point))
     }
