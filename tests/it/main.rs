@@ -28,4 +28,5 @@ mod scripts;
 mod solving;
 mod starts;
 mod surfaces;
+mod symmetries;
 mod tidy;

@@ -17,6 +17,9 @@ const RARE: usize = 48;
 /// The most directions that a scan gives.
 const MOST_MINIMA: usize = 24;
 
+/// Mean distance over the diameter from which a minimum of the scan cannot be fitted: half a step beside a symmetry it is 0.02.
+const HOPELESS: f64 = 0.04;
+
 /// Axes of inertia of a surface.
 pub(super) struct Inertia {
     /// Unit vectors.
@@ -160,7 +163,7 @@ fn minima<I: IntoIterator<Item = usize>>(
     near: impl Fn(usize) -> I,
 ) -> Vec<Vector3<f64>> {
     let mut found: Vec<usize> = (0..directions.len())
-        .filter(|&i| near(i).into_iter().all(|j| scores[i] <= scores[j]))
+        .filter(|&i| scores[i] < HOPELESS && near(i).into_iter().all(|j| scores[i] <= scores[j]))
         .collect();
     found.sort_by(|&i, &j| scores[i].total_cmp(&scores[j]).then(i.cmp(&j)));
     found.truncate(MOST_MINIMA);

@@ -10,7 +10,7 @@ use crate::mesh::{FaceId, Mesh, VertexId};
 const CHECKED: usize = 2000;
 
 /// Points that a symmetry is fitted to.
-const FITTED: usize = 192;
+const FITTED: usize = 128;
 
 /// Points of a first look.
 const ROUGH: usize = 48;
@@ -176,7 +176,7 @@ impl<'a> Shape<'a> {
             if tolerance <= EXACT {
                 return None;
             }
-            let (direction, point) = self.refined(kind, direction);
+            let (direction, point) = self.refined(kind, direction, tolerance)?;
             let matrix = linear_part(kind, direction);
             let fitted = self.deviation(&matrix, point, ROUGH, 3.0 * tolerance);
             if fitted < best.2 {
@@ -213,13 +213,25 @@ impl<'a> Shape<'a> {
 
     /// Draws the image of the surface to the tangent planes of the surface: S′ = T S T⁻¹ with a small motion T = (ω, t) moves
     /// the image s = S p by ω × s − S (ω × p) + (1 − S) t, in coordinates about the centre.
-    fn refined(&self, kind: SymmetryKind, direction: Vector3<f64>) -> (Vector3<f64>, Point3<f64>) {
+    ///
+    /// **Gives** none where three rounds leave half of the points thrice the tolerance away.
+    fn refined(
+        &self,
+        kind: SymmetryKind,
+        direction: Vector3<f64>,
+        tolerance: f64,
+    ) -> Option<(Vector3<f64>, Point3<f64>)> {
         let (mut direction, mut centre) = (direction, self.centre);
-        for _ in 0..10 {
+        for round in 0..10 {
             let matrix = linear_part(kind, direction);
             let samples = self.samples.iter().take(FITTED);
             let mut hits: Vec<(VertexId, Hit)> =
                 samples.filter_map(|&v| Some((v, self.image(v, &matrix, centre, None)?))).collect();
+            let far = 3.0 * tolerance * self.diameter;
+            let near = hits.iter().filter(|(_, hit)| hit.squared <= far * far).count();
+            if round >= 3 && 2 * near < hits.len() {
+                return None;
+            }
             // The worst tenth does not vote: what has no counterpart.
             hits.sort_by(|a, b| a.1.squared.total_cmp(&b.1.squared).then(a.0.cmp(&b.0)));
             hits.truncate(hits.len() * 9 / 10);
@@ -255,11 +267,11 @@ impl<'a> Shape<'a> {
             let turn = Vector3::new(step[0], step[1], step[2]);
             direction = (direction + turn.cross(&direction)).normalize();
             centre += Vector3::new(step[3], step[4], step[5]) * self.diameter;
-            if length < 1e-10 {
+            if length < 1e-8 {
                 break;
             }
         }
-        (direction, centre)
+        Some((direction, centre))
     }
 }
 

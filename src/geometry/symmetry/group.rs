@@ -67,6 +67,16 @@ impl SymmetryMap {
         (0..3).map(|i| values[corners[i].index()] * weights[i]).sum()
     }
 
+    /// The product of two that map vertices to vertices: first `first`, then this one.
+    fn after(&self, first: &Self, matrix: Matrix3<f64>) -> Self {
+        let then = |(corners, weights): &([VertexId; 3], [f64; 3])| {
+            let at = weights.iter().position(|w| *w >= 1.0).unwrap_or(0);
+            self.images[corners[at].index()]
+        };
+        let images = first.images.iter().map(then).collect();
+        Self { matrix, centre: self.centre, images }
+    }
+
     /// Whether the images of all vertices are vertices.
     pub fn is_exact(&self) -> bool {
         self.images.iter().all(|(_, weights)| weights.iter().any(|w| *w >= 1.0))
@@ -96,8 +106,17 @@ pub fn symmetry_group(
         return Err(SymmetryError::None);
     };
     let centre = common_point(&shape, generators)?;
-    let elements = closure(generators, most)?;
-    Ok(elements.into_iter().map(|matrix| correspond(mesh, &shape, matrix, centre)).collect())
+    let mut maps: Vec<SymmetryMap> = Vec::new();
+    for element in closure(generators, most)? {
+        let exact = |i: usize| maps.get(i).filter(|map| map.is_exact());
+        let map = match element.factors.map(|[a, b]| (exact(a), exact(b))) {
+            // Permutations of the vertices need no search.
+            Some((Some(a), Some(b))) => a.after(b, element.matrix),
+            _ => correspond(mesh, &shape, element.matrix, centre),
+        };
+        maps.push(map);
+    }
+    Ok(maps)
 }
 
 /// The point nearest to all planes and axes; where these leave it free, the nearest such one to the centroid.
@@ -135,29 +154,36 @@ fn common_point(shape: &Shape, generators: &[Symmetry]) -> Result<Point3<f64>, S
     Ok(centre)
 }
 
+/// An element of a group, and the two earlier ones whose product it is.
+struct Element {
+    matrix: Matrix3<f64>,
+    factors: Option<[usize; 2]>,
+}
+
 /// The products of matrices, generators first, without the identity.
-fn closure(generators: &[Symmetry], most: usize) -> Result<Vec<Matrix3<f64>>, SymmetryError> {
-    let mut elements = vec![Matrix3::identity()];
-    let add = |matrix: Matrix3<f64>, elements: &mut Vec<Matrix3<f64>>| {
-        if elements.iter().any(|e| (e - matrix).norm() < SAME) {
+fn closure(generators: &[Symmetry], most: usize) -> Result<Vec<Element>, SymmetryError> {
+    let mut elements: Vec<Element> = Vec::new();
+    let add = |element: Element, elements: &mut Vec<Element>| {
+        let is_near = |m: &Matrix3<f64>| (m - element.matrix).norm() < SAME;
+        if is_near(&Matrix3::identity()) || elements.iter().any(|e| is_near(&e.matrix)) {
             return Ok(());
         }
-        elements.push(matrix);
-        if elements.len() > most { Err(SymmetryError::TooLarge { most }) } else { Ok(()) }
+        elements.push(element);
+        // The identity is not in the list.
+        if elements.len() < most { Ok(()) } else { Err(SymmetryError::TooLarge { most }) }
     };
     for s in generators {
-        add(s.matrix(), &mut elements)?;
+        add(Element { matrix: s.matrix(), factors: None }, &mut elements)?;
     }
-    let generators = elements[1..].to_vec();
-    let mut next = 1;
+    let count = elements.len();
+    let mut next = 0;
     while next < elements.len() {
-        for generator in &generators {
-            let product = generator * elements[next];
-            add(product, &mut elements)?;
+        for i in 0..count {
+            let matrix = elements[i].matrix * elements[next].matrix;
+            add(Element { matrix, factors: Some([i, next]) }, &mut elements)?;
         }
         next += 1;
     }
-    elements.remove(0);
     Ok(elements)
 }
 

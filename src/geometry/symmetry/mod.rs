@@ -128,8 +128,10 @@ pub fn find_symmetries(mesh: &Mesh, geometry: &Geometry, tolerance: f64) -> Vec<
             found.try_mirrors(&[meridian, across, axis]);
             found.try_axes(&[meridian, across]);
             for kind in [SymmetryKind::Mirror, two] {
-                if let Some(directions) = shape.scan_circle(kind, axis, tolerance) {
-                    found.try_kind(kind, &directions);
+                match shape.scan_circle(kind, axis, tolerance) {
+                    Some(directions) => found.try_kind(kind, &directions),
+                    // A surface of revolution: more planes and axes would tell nothing new.
+                    None => return found.sorted(),
                 }
             }
         }
