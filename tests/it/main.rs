@@ -25,5 +25,6 @@ mod reading_ply;
 mod reading_solids;
 mod scripts;
 mod solving;
+mod straightening;
 mod surfaces;
 mod tidy;
