@@ -239,7 +239,8 @@ fn disk_cuts_of_handles_become_short_and_still_open_to_disks_that_flatten() {
     for (name, euler) in [("torus", 0), ("double_torus", -2)] {
         let s = Surface::sample(name);
         let mut cut = CutMesh::uncut(&s.mesh);
-        let added = cut_to_disks(&mut cut, &places(&s, &cut)).unwrap();
+        let at = places(&s, &cut);
+        let added = cut_to_disks(&mut cut, &at).unwrap();
         assert!(added.opened.patch_shapes() == [(1, 1)], "{euler}");
         let before = flips(&s, &cut);
         let straight = checked(&s, &cut, &free(), &[]);
@@ -254,7 +255,7 @@ fn disk_cuts_of_handles_become_short_and_still_open_to_disks_that_flatten() {
 
 /// A flow's cut after some steps.
 fn flowed(s: &Surface, degrees: f64, steps: usize) -> CutMesh {
-    let initial = Initial::NormalClusters { max_angle: f64::to_radians(degrees) };
+    let initial = Initial::NormalClusters { angle: f64::to_radians(degrees), regions: 10 };
     let params = CutFlowParams::default();
     let mut flow = CutFlow::new(s.mesh.clone(), s.geometry.clone(), &initial, params).unwrap();
     for _ in 0..steps {
@@ -291,7 +292,8 @@ fn the_outlines_of_a_flow_lose_their_zigzag_and_nothing_else() {
         let Some(s) = Surface::shared(name) else { continue };
         let mut cut = flowed(&s, 60.0, 15);
         let held = cut.cut_edges.len();
-        cut_to_disks(&mut cut, &places(&s, &cut)).unwrap();
+        let at = places(&s, &cut);
+        cut_to_disks(&mut cut, &at).unwrap();
         let params = StraightenParams { free_from: held, ..StraightenParams::default() };
         let straight = checked(&s, &cut, &params, &[]);
         let (before, after) = (turning(&s, &cut), turning(&s, &straight.cut));
