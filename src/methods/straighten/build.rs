@@ -10,6 +10,8 @@
     reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
 )]
 
+use std::collections::BTreeSet;
+
 use nalgebra::Rotation2;
 
 use super::StraightenParams;
@@ -132,8 +134,12 @@ fn stretches(flat: &Flat, cut: &CutMesh, free_from: usize) -> Option<Vec<Stretch
     }
     sides.sort_unstable();
     let mut stretches = Vec::new();
+    let mut seen = BTreeSet::new();
     for (i, &ends) in cut.cut_edges.iter().enumerate() {
         let key = sorted(ends);
+        if !seen.insert(key) {
+            continue;
+        }
         let first = sides.partition_point(|s| s.0 < key);
         let beside: Vec<FaceId> =
             sides[first..].iter().take_while(|s| s.0 == key).map(|s| s.1).collect();

@@ -11,6 +11,9 @@ use crate::mesh::{EdgeId, FaceId, VertexId};
 /// Angles must gain this much, so that rounding does not send a curve to and fro.
 const GAIN: f64 = 1e-9;
 
+/// How often a junction of held curves may change its face.
+pub(super) const HELD_HOPS: u32 = 3;
+
 /// Crossings of one curve on edges at one vertex, in the order of the curve.
 struct Run {
     nodes: Vec<u32>,
@@ -238,7 +241,7 @@ pub(super) fn cross_edge(net: &mut Network, node: u32, e: EdgeId, t: f64) -> boo
     let Some(g) = beyond.filter(|_| !net.is_wall[e.index()]) else { return false };
     let arms = net.nodes[node as usize].arms.clone();
     let held = arms.iter().filter(|&&a| !net.segments[a as usize].is_free).count();
-    if held > 2 {
+    if held > 2 && net.nodes[node as usize].hops >= HELD_HOPS {
         return false;
     }
     let crosses = |n: u32| matches!(net.place(n), Place::Edge(d, _) if d == e);
@@ -266,7 +269,8 @@ pub(super) fn cross_edge(net: &mut Network, node: u32, e: EdgeId, t: f64) -> boo
     if !(room > 1e-6) {
         return false;
     }
-    let t = t.clamp(low + 0.2 * room, high - 0.2 * room);
+    // Near the ends too, or else no junction could go around a vertex.
+    let t = t.clamp(low + 2.0 * GAP * room, high - 2.0 * GAP * room);
     let along = t * net.flat.length(e);
     let angle = |n: u32| {
         let [x, y] = net.flat.beside(f, e, net.place(n));
@@ -290,9 +294,21 @@ pub(super) fn cross_edge(net: &mut Network, node: u32, e: EdgeId, t: f64) -> boo
     let place = Place::Face(g, net.flat.from_weights(g, weights));
 
     let centre = End::New(u32::MAX, place);
-    let gap = (2.0 * GAP).min(0.2 * room / here.len().max(1) as f64);
-    let crossings: Vec<Place> = (0..here.len())
-        .map(|k| Place::Edge(e, t + (k as f64 - 0.5 * (here.len() as f64 - 1.0)) * gap))
+    // Where the new arms are straight, in order and apart.
+    let own = net.flat.beside(g, e, place);
+    let length = net.flat.length(e);
+    let apart = GAP * room / (here.len() + 1) as f64;
+    let mut previous = low;
+    let crossings: Vec<Place> = here
+        .iter()
+        .enumerate()
+        .map(|(k, &(_, n))| {
+            let [x, y] = net.flat.beside(f, e, net.place(n));
+            let straight = (own[0] * y + x * own[1]) / ((y + own[1]) * length).max(1e-300);
+            let most = high - apart * (here.len() - k) as f64;
+            previous = straight.clamp(previous + apart, most.max(previous + apart));
+            Place::Edge(e, previous)
+        })
         .collect();
     let new = |k: usize| End::New(k as u32, crossings[k]);
     let near: Vec<[End; 2]> =
@@ -318,6 +334,7 @@ pub(super) fn cross_edge(net: &mut Network, node: u32, e: EdgeId, t: f64) -> boo
         net.remove_node(n);
     }
     net.nodes[node as usize].place = place;
+    net.nodes[node as usize].hops += 1;
     for ((n, is_free), crossing) in here.into_iter().zip(crossings) {
         let c = net.add_node(crossing);
         if !is_free {

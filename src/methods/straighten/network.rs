@@ -31,6 +31,8 @@ pub(super) struct Node {
     pub arms: Vec<u32>,
     pub is_fixed: bool,
     pub anchor: Option<Anchor>,
+    /// How often it changed its face.
+    pub hops: u32,
     pub is_alive: bool,
 }
 
@@ -66,6 +68,7 @@ impl Network<'_> {
             arms: Vec::new(),
             is_fixed: false,
             anchor: None,
+            hops: 0,
             is_alive: true,
         });
         if let Place::Edge(e, t) = place {

@@ -14,6 +14,9 @@ pub(super) const GAP: f64 = 1e-3;
 /// Junctions keep this distance from the sides of their face, in barycentric coordinates.
 const INSET: f64 = 1e-3;
 
+/// The same for junctions that may not leave their face: nearer they only make needles of the triangles around.
+const HELD_INSET: f64 = 0.03;
+
 /// How much a free curve pulls at a junction against one that stays near its place: where the first ends at the second it
 /// bends it by this angle, a degree.
 const FREE_PULL: f64 = 0.02;
@@ -139,11 +142,14 @@ fn balance(net: &mut Network, node: usize) -> bool {
     let Some(step) = newton_step(x, &arms, size) else { return false };
 
     let (from, to) = (net.flat.weights(f, x), net.flat.weights(f, x + step));
+    let held = arms.iter().filter(|a| a.1 > FREE_PULL).count();
+    let stays = held > 2 && net.nodes[node].hops >= hop::HELD_HOPS;
+    let inset = if stays { HELD_INSET } else { INSET };
     // How much of the step stays inside, and the side that ends it.
     let (mut share, mut exit) = (1.0, None);
     for i in 0..3 {
-        if to[i] < INSET && to[i] < from[i] {
-            let s = ((from[i] - INSET) / (from[i] - to[i])).max(0.0);
+        if to[i] < inset && to[i] < from[i] {
+            let s = ((from[i] - inset) / (from[i] - to[i])).max(0.0);
             if s < share {
                 (share, exit) = (s, Some((i + 1) % 3));
             }
