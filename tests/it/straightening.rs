@@ -132,11 +132,18 @@ fn a_jagged_arc_on_a_sphere_becomes_a_great_arc_with_the_square_of_the_edge() {
         let straight = checked(&s, &cut, &free(), &[]);
         let [p, q] = [from, to].map(|v| s.geometry.positions[v as usize].coords / radius);
         let exact = radius * p.dot(&q).acos();
-        assert!(straight.lengths[0] > 1.02 * exact, "jagged before: {}", straight.lengths[0] / exact);
+        assert!(
+            straight.lengths[0] > 1.02 * exact,
+            "jagged before: {}",
+            straight.lengths[0] / exact
+        );
         errors.push((straight.lengths[1] / exact - 1.0).abs());
     }
     // Chords lie inside the sphere by h²/8.
-    assert!(errors[0] < 5e-3 && errors[1] < 0.35 * errors[0] && errors[2] < 0.35 * errors[1], "{errors:?}");
+    assert!(
+        errors[0] < 5e-3 && errors[1] < 0.35 * errors[0] && errors[2] < 0.35 * errors[1],
+        "{errors:?}"
+    );
 }
 
 #[test]
@@ -178,7 +185,10 @@ fn over_an_edge_of_a_cube_the_curve_is_straight_when_unfolded() {
         let p = bend(f64::from(i), f64::from(j));
         let low = bend(0.0, 0.0);
         let high = [0.0, f64::from(n), -f64::from(n)];
-        nearest(&s, [0, 1, 2].map(|k| scale * (p[k] - 0.5 * (low[k].min(high[k]) + low[k].max(high[k])))))
+        nearest(
+            &s,
+            [0, 1, 2].map(|k| scale * (p[k] - 0.5 * (low[k].min(high[k]) + low[k].max(high[k])))),
+        )
     };
     let mut cut = CutMesh::uncut(&s.mesh);
     let (from, to) = (number(3, 9), number(20, 2));
@@ -331,9 +341,8 @@ fn snapped_cuts_run_along_edges_of_the_mesh_and_keep_their_patches() {
         assert_eq!(count(&snapped.cut), count(&cut), "{name}");
         assert_eq!(snapped.cut.points.len(), s.mesh.vertex_count());
         assert_eq!(snapped.cut.triangles.len(), s.mesh.face_count());
-        let is_edge = |[a, b]: [u32; 2]| {
-            s.mesh.outgoing(VertexId(a)).any(|h| s.mesh.tip(h) == VertexId(b))
-        };
+        let is_edge =
+            |[a, b]: [u32; 2]| s.mesh.outgoing(VertexId(a)).any(|h| s.mesh.tip(h) == VertexId(b));
         assert!(snapped.cut.cut_edges.iter().all(|&e| is_edge(e)));
         let [before, after] = [&cut, &snapped.cut].map(|c| length(&s.mesh, &s.geometry, c));
         // A staircase along edges of an even mesh is at most 2/√3 times as long as its line, and a little more where it turns.

@@ -117,7 +117,11 @@ fn pass(net: &mut Network, node: u32, v: VertexId) -> Option<()> {
         let face = net.segments[arm as usize].face;
         let place = net.place(other);
         let origin = net.flat.at(face, Place::Vertex(v));
-        (other, net.flat.angle(face, v, spokes[i], place), (net.flat.at(face, place) - origin).norm())
+        (
+            other,
+            net.flat.angle(face, v, spokes[i], place),
+            (net.flat.at(face, place) - origin).norm(),
+        )
     };
     let between: f64 = (0..run.nodes.len() - 1).map(|n| angle_of(step(first, n))).sum();
     let (q, angle_q, distance_q) = toward(last_arm, *run.nodes.last()?, last);
@@ -142,7 +146,8 @@ fn pass(net: &mut Network, node: u32, v: VertexId) -> Option<()> {
     let anchor = if is_free { None } else { Some(moved_anchor(net, &run.nodes, v)?) };
 
     // The spokes on the other side, from q on, each with the place where a straight line crosses it.
-    let added = if is_end { if is_ccw { count - 1 - last } else { last } } else { count - run.nodes.len() };
+    let added =
+        if is_end { if is_ccw { count - 1 - last } else { last } } else { count - run.nodes.len() };
     let mut turned = angle_of(last) - angle_q;
     let mut ends = vec![End::Node(q)];
     let mut faces = vec![last_face];
@@ -251,14 +256,17 @@ pub(super) fn cross_edge(net: &mut Network, node: u32, e: EdgeId, t: f64) -> boo
     // The gap between the crossings that stay.
     let list = net.edge_nodes[e.index()].clone();
     let position = |n: u32| list.iter().position(|&m| m == n).unwrap_or(0);
-    let value = |i: Option<usize>, default: f64| match i.and_then(|i| list.get(i)).map(|&n| net.place(n)) {
-        Some(Place::Edge(_, t)) => t,
-        _ => default,
-    };
+    let value =
+        |i: Option<usize>, default: f64| match i.and_then(|i| list.get(i)).map(|&n| net.place(n)) {
+            Some(Place::Edge(_, t)) => t,
+            _ => default,
+        };
     there.sort_by_key(|&(_, n)| position(n));
     let first = match there.first() {
         Some(&(_, n)) => position(n),
-        None => list.iter().filter(|&&n| matches!(net.place(n), Place::Edge(_, s) if s < t)).count(),
+        None => {
+            list.iter().filter(|&&n| matches!(net.place(n), Place::Edge(_, s) if s < t)).count()
+        }
     };
     if there.iter().enumerate().any(|(i, &(_, n))| position(n) != first + i) {
         return false;
@@ -322,8 +330,10 @@ pub(super) fn cross_edge(net: &mut Network, node: u32, e: EdgeId, t: f64) -> boo
 
     let is_free = |net: &Network, arm: u32| net.segments[arm as usize].is_free;
     // A curve that stays near its place crosses the edge on the other side of the junction now.
-    let mut held =
-        there.iter().filter(|&&(a, _)| !is_free(net, a)).map(|&(_, n)| net.nodes[n as usize].anchor);
+    let mut held = there
+        .iter()
+        .filter(|&&(a, _)| !is_free(net, a))
+        .map(|&(_, n)| net.nodes[n as usize].anchor);
     let anchor = held.next().flatten();
     let here: Vec<(u32, bool)> = here.iter().map(|&(a, n)| (n, is_free(net, a))).collect();
     let beyond: Vec<(u32, bool)> = beyond.iter().map(|&(a, n)| (n, is_free(net, a))).collect();

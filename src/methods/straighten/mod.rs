@@ -224,3 +224,18 @@ fn straighten_free(net: &mut Network) {
     }
     hop::simplify(net);
 }
+
+/// A cut made ready for patterns: flows' curves without zigzag, disk cuts straight.
+///
+/// **Takes** a cut whose edges from `free_from` on were added by [`super::cutgraph::cut_to_disks`], and the pins of
+/// [`straighten`]. **Gives** its result, which is the given cut where straightening refuses. **Fails**, **Costs**: as [`straighten`].
+pub fn finish_cut(
+    mesh: &Mesh,
+    geometry: &Geometry,
+    cut: &CutMesh,
+    free_from: usize,
+    params: &StraightenParams,
+    pins: &[f64],
+) -> Result<Straightened, MeshError> {
+    straighten(mesh, geometry, cut, &StraightenParams { free_from, ..params.clone() }, pins)
+}

@@ -73,7 +73,8 @@ impl Network<'_> {
         });
         if let Place::Edge(e, t) = place {
             let list = &self.edge_nodes[e.index()];
-            let before = |&n: &u32| matches!(self.nodes[n as usize].place, Place::Edge(_, s) if s < t);
+            let before =
+                |&n: &u32| matches!(self.nodes[n as usize].place, Place::Edge(_, s) if s < t);
             let index = list.partition_point(before);
             self.edge_nodes[e.index()].insert(index, node);
         }

@@ -111,7 +111,11 @@ fn balance_on_edge(p: [f64; 2], q: [f64; 2], k: f64, target: f64, range: [f64; 2
     let mut x = target.clamp(low, high);
     for _ in 0..30 {
         let (g, h) = slope(x);
-        if g > 0.0 { high = x } else { low = x }
+        if g > 0.0 {
+            high = x
+        } else {
+            low = x
+        }
         let newton = x - g / h;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         if (next - x).abs() <= 1e-12 * (range[1] - range[0]) {

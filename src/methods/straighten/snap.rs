@@ -212,9 +212,9 @@ fn change_over(
         // Around their common vertex all other faces must have the other label: it becomes an inner one of that patch.
         let v = mesh.tip(halfedges[i]);
         let is_inner = !mesh.is_boundary_vertex(v)
-            && mesh.outgoing(v).all(|h| {
-                mesh.face(h).is_some_and(|g| g == f || labels[g.index()] == a)
-            });
+            && mesh
+                .outgoing(v)
+                .all(|h| mesh.face(h).is_some_and(|g| g == f || labels[g.index()] == a));
         if is_inner && side(i + 2) < side(i) + side(i + 1) {
             labels[f.index()] = a;
             return Some(());
