@@ -87,7 +87,7 @@ pub struct Straightened {
 }
 
 /// Rounds of passing vertices at most. A curve moves by about an edge in each; rounds end when nothing is gained.
-const ROUNDS: usize = 600;
+const ROUNDS: usize = 300;
 
 /// Sweeps in a round, and how far crossings overshoot in them: relaxation of a string of n points takes about n sweeps
 /// instead of n².
@@ -210,10 +210,11 @@ fn straighten_free(net: &mut Network) {
         for _ in 0..SWEEPS {
             relax::sweep(net, OVER);
         }
-        let passes = hop::pass_vertices(net);
+        hop::pass_vertices(net);
         hop::simplify(net);
         let new = net.length(true);
-        idle = if passes == 0 && new > length * (1.0 - SETTLED) { idle + 1 } else { 0 };
+        // Passes without gain are a curve through a vertex that rounding sends to and fro.
+        idle = if new > length * (1.0 - SETTLED) { idle + 1 } else { 0 };
         length = new;
         if idle == PATIENCE {
             break;
