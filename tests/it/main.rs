@@ -27,6 +27,7 @@ mod reading_solids;
 mod scripts;
 mod solving;
 mod starts;
+mod straightening;
 mod surfaces;
 mod symmetries;
 mod tidy;
