@@ -97,6 +97,8 @@ struct Progress {
     step: usize,
     /// Step length that the next steepest-descent search starts with; 0 for the cap.
     scale: f64,
+    /// Time step that the next step of the paper's flow starts with; 0 for the longest.
+    time_step: f64,
     failures: usize,
     /// Decrease of J that the last direction promised for a step of full length.
     promise: f64,
@@ -307,6 +309,7 @@ impl CutFlow {
         self.progress.history = vec![self.state.solution.energy.total];
         self.progress.memory.clear();
         self.progress.scale = 0.0;
+        self.progress.time_step = 0.0;
     }
 
     /// Log scale factors, or temperatures, and the adjoint that goes with them: A q = 2 w_D A_a u + w_H ∫b′(u).

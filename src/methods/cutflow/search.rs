@@ -4,7 +4,7 @@ use super::band::LevelSets;
 use super::cut::Cut;
 use super::energy::{Problem, Solution};
 use super::metric::{CurveMetric, dot};
-use super::{CutFlow, CutState, init, topology};
+use super::{CutFlow, CutState, Scheme, init, topology};
 use crate::linalg::LinalgError;
 use crate::methods::flow::SolveError;
 
@@ -129,7 +129,11 @@ impl CutFlow {
     pub(super) fn kick_and_descend(&mut self, ceiling: f64) -> Result<(), SolveError> {
         self.kick(self.params.seed)?;
         for _ in 0..3 {
-            if !self.descend(f64::INFINITY)? || self.state.solution.energy.total < ceiling {
+            let moved = match self.params.scheme {
+                Scheme::Fast => self.descend(f64::INFINITY)?,
+                Scheme::Paper => self.paper_step(f64::INFINITY)?,
+            };
+            if !moved || self.state.solution.energy.total < ceiling {
                 break;
             }
         }

@@ -243,12 +243,16 @@ impl CutFlow {
             return Ok(false);
         }
         let survey = self.survey()?;
-        let longest = if self.progress.scale > 0.0 { self.progress.scale } else { f64::INFINITY };
+        let last = self.progress.time_step;
+        let longest = if last > 0.0 { 2.0 * last } else { f64::INFINITY };
         let ceiling = ceiling.min(self.state.solution.energy.total);
         self.progress.promise = self.longest_step(&survey) * survey.square();
         let (taken, _) = self.advance(&survey, ceiling, longest)?;
         let Some(Taken { levels, cut, solution, step, .. }) = taken else { return Ok(false) };
-        self.progress.scale = 2.0 * step;
+        // What the exact descent has learned was about another cut.
+        self.progress.memory.clear();
+        self.progress.scale = 0.0;
+        self.progress.time_step = step;
         self.accept(levels, cut, solution);
         Ok(true)
     }
@@ -389,7 +393,6 @@ mod tests {
             let mut flow = flow(name, &initial, weights);
             // The disturbance: from the equator itself nothing pulls.
             flow.step().unwrap();
-            flow.progress.scale = 0.0;
             let history = run(&mut flow, 30);
             assert!(history.windows(2).all(|pair| pair[1] < pair[0]), "{name}: {history:?}");
             let (first, last) = (history[0], history[history.len() - 1]);
@@ -409,7 +412,6 @@ mod tests {
             assert!(fast < 60, "the exact descent takes 18");
         }
         exact.restore(&start).unwrap();
-        exact.progress.scale = 0.0;
         let history = run(&mut exact, 60);
         let slow = history.iter().position(|j| *j < 10.7).unwrap();
         // 37 and 18 steps; J ends at 10.63, the symmetric seam has 10.574 and the lopsided one 10.41.
