@@ -184,6 +184,8 @@ pub enum Event {
         pieces: Vec<PieceRow>,
         /// Size of the layout at its real size.
         pattern: Option<PatternSize>,
+        /// What a person should know of how the cut was finished.
+        note: Option<String>,
     },
     /// The fields that can be painted.
     Fields {

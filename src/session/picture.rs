@@ -44,19 +44,15 @@ pub fn fields() -> Vec<Choice> {
 /// A colour for each patch, such that neighbours differ: that of its label where possible.
 pub fn patch_colours(layout: &Layout, labels: &[u32]) -> Vec<u8> {
     let neighbours = layout.neighbours();
-    let mut patch_labels = vec![u32::MAX; layout.opened.patch_count];
-    for (v, &label) in labels.iter().enumerate() {
-        // The first copy of a vertex keeps its number; vertices on added cuts lie within one region anyway.
-        patch_labels[layout.vertex_patches[v] as usize] = label;
-    }
+    let patch_labels = layout.patch_labels(labels);
     let mut colours: Vec<Option<u8>> = vec![None; patch_labels.len()];
     let mut uses = [0usize; COLOURS];
     for (patch, &label) in patch_labels.iter().enumerate() {
         let taken = |c: usize| {
             neighbours[patch].iter().any(|&n| colours[n as usize].map(usize::from) == Some(c))
         };
-        let own = label as usize % COLOURS;
-        let chosen = if label != u32::MAX && !taken(own) {
+        let own = label.map_or(0, |label| label as usize % COLOURS);
+        let chosen = if label.is_some() && !taken(own) {
             own
         } else {
             (0..COLOURS).filter(|&c| !taken(c)).min_by_key(|&c| (uses[c], c)).unwrap_or(own)

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::document::Document;
 use super::folding::Fold;
 use super::inputs::{self, Layers};
-use super::layout::Layout;
+use super::layout::{Finish, Layout};
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
 use super::params::Settings;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
@@ -202,7 +202,12 @@ impl Work {
     pub fn settle(&mut self) -> Result<(), Problem> {
         let surface = self.document.surface()?;
         let packing = self.layout.as_ref().map(|l| &l.packing);
-        let layout = Layout::full(surface, self.cut_mesh(surface), packing)
+        let finish = Finish {
+            straighten: self.settings.is_on("straighten"),
+            snap: self.settings.is_on("snap"),
+            pins: &self.layers.pin,
+        };
+        let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing)
             .map_err(|error| Problem::solve(&surface.name, &error))?;
         self.layout = Some(layout);
         self.is_settled = true;
@@ -255,7 +260,7 @@ impl Work {
             row.start = start.and_then(|s| s.now);
         }
         let Some(layout) = &self.layout else {
-            return Event::Measures { rows, pieces: Vec::new(), pattern: None };
+            return Event::Measures { rows, pieces: Vec::new(), pattern: None, note: None };
         };
         let colours = picture::patch_colours(layout, &self.labels());
         let areas = layout.patch_areas();
@@ -293,7 +298,7 @@ impl Work {
             unit_length: self.document.surface.as_ref().map_or(1.0, Surface::radius) * mm,
             overlaps: layout.overlaps(),
         });
-        Event::Measures { rows, pieces, pattern }
+        Event::Measures { rows, pieces, pattern, note: layout.notice.clone() }
     }
 
     pub fn cut_report(&self, seconds: Option<f64>) -> Result<CutReport, Problem> {
@@ -364,7 +369,7 @@ impl Work {
             }
             "Cut curves (OBJ)" => Ok(file("cut.obj", "model/obj", pattern::cut_obj(&surface))),
             "Cut (JSON)" => {
-                let bytes = pattern::cut_json(&surface, &self.labels());
+                let bytes = pattern::cut_json(&surface, &layout.labels(&self.labels()));
                 Ok(file("cut.json", "application/json", bytes))
             }
             "Pattern (SVG)" => {

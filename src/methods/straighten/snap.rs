@@ -4,7 +4,7 @@
 //! neighbours, and the staircase is smoothed: a face that meets another patch along two sides changes over to it, if that
 //! changes no shape and the cut went through the face.
 //!
-//! Guaranteed: the cut runs along mesh edges; every patch keeps a face and hangs together, or it is an error. Not guaranteed: that patches keep their number of
+//! Guaranteed: the cut runs along mesh edges; every patch keeps a face and hangs together, or is named as lost. Not guaranteed: that patches keep their number of
 //! boundary loops (told); slits inside a patch are lost, because no two patches lie beside them.
 
 #![expect(
