@@ -90,7 +90,8 @@ impl CutFlow {
         ) else {
             return Ok(None);
         };
-        let start = carried(&self.state.levels, &back);
+        let mut start = carried(&self.state.levels, &back);
+        mend(&mesh, &mut start.labels, regions(self));
         let average = |values: &[f64]| -> Vec<f64> {
             let at = |(v, w): &Place| (0..3).map(|i| values[v[i].index()] * w[i]).sum();
             if values.is_empty() { Vec::new() } else { back.iter().map(at).collect() }
@@ -111,7 +112,8 @@ impl CutFlow {
         // The fine flow finishes; the last tenths of a percent are its own.
         params.tolerance = params.tolerance.max(1e-3);
         match Self::from_start(mesh, geometry, start, params, &fields) {
-            Ok(flow) if regions(&flow) == regions(self) => {
+            // With many regions, one that the coarse surface cannot hold may vanish, as in any step.
+            Ok(flow) if is_allowed(regions(&flow), regions(self), self.has_many_regions()) => {
                 Ok(Some(Coarse { flow: Box::new(flow), places, failures: 0 }))
             }
             // Too coarse for this cut.
@@ -148,10 +150,15 @@ impl CutFlow {
                 }
             }
             let before = self.state.solution.energy.total;
-            let start = carried(&coarse.flow.state.levels, &coarse.places);
+            let mut start = carried(&coarse.flow.state.levels, &coarse.places);
+            mend(&self.problem.mesh, &mut start.labels, regions(&coarse.flow));
             let state = self.state_from(&start)?;
             let is_better = state.solution.energy.total < before - GAIN * before.abs()
-                && regions_of(&self.problem.mesh, &state.levels.labels) == regions(&coarse.flow);
+                && is_allowed(
+                    regions_of(&self.problem.mesh, &state.levels.labels),
+                    regions(self).min(regions(&coarse.flow)),
+                    self.has_many_regions(),
+                );
             if is_better {
                 let old = std::mem::replace(&mut self.state, state);
                 self.spare = Some(old.solution);
@@ -226,30 +233,70 @@ fn carried(levels: &LevelSets, places: &[Place]) -> Start {
     Start::of_entries(labels, starts, entries)
 }
 
+/// Whether a number of regions may follow another.
+fn is_allowed(now: usize, before: usize, many: bool) -> bool {
+    now == before || (many && now < before)
+}
+
 /// Number of connected regions of equal label.
 fn regions(flow: &CutFlow) -> usize {
     regions_of(&flow.problem.mesh, &flow.state.levels.labels)
 }
 
 fn regions_of(mesh: &Mesh, labels: &[u32]) -> usize {
-    let mut parents: Vec<u32> = (0..labels.len() as u32).collect();
-    fn root(parents: &mut [u32], mut v: u32) -> u32 {
-        while parents[v as usize] != v {
-            parents[v as usize] = parents[parents[v as usize] as usize];
-            v = parents[v as usize];
+    components(mesh, labels).1.len()
+}
+
+/// The connected region of every vertex, and the number of vertices of each.
+fn components(mesh: &Mesh, labels: &[u32]) -> (Vec<u32>, Vec<usize>) {
+    const NONE: u32 = u32::MAX;
+    let mut regions = vec![NONE; labels.len()];
+    let mut sizes = Vec::new();
+    let mut stack = Vec::new();
+    for seed in mesh.vertices().filter(|&v| mesh.halfedge(v).is_some()) {
+        if regions[seed.index()] != NONE {
+            continue;
         }
-        v
-    }
-    let mut count = mesh.vertices().filter(|&v| mesh.halfedge(v).is_some()).count();
-    for e in mesh.edges() {
-        let [a, b] = mesh.edge_vertices(e);
-        if labels[a.index()] == labels[b.index()] {
-            let (a, b) = (root(&mut parents, a.0), root(&mut parents, b.0));
-            if a != b {
-                parents[a as usize] = b;
-                count -= 1;
+        regions[seed.index()] = sizes.len() as u32;
+        stack.push(seed);
+        let mut size = 0;
+        while let Some(v) = stack.pop() {
+            size += 1;
+            for w in mesh.outgoing(v).map(|h| mesh.tip(h)) {
+                if regions[w.index()] == NONE && labels[w.index()] == labels[v.index()] {
+                    regions[w.index()] = sizes.len() as u32;
+                    stack.push(w);
+                }
             }
         }
+        sizes.push(size);
     }
-    count
+    (regions, sizes)
+}
+
+/// Gives the smallest regions to their neighbours until there are no more than `most`: crumbs of regions that are narrow for the
+/// triangles, which carrying broke off.
+fn mend(mesh: &Mesh, labels: &mut [u32], most: usize) {
+    loop {
+        let (regions, sizes) = components(mesh, labels);
+        let smallest = (0..sizes.len()).min_by_key(|&r| (sizes[r], r));
+        let Some(crumb) = smallest.filter(|_| sizes.len() > most) else { return };
+        let members: Vec<VertexId> =
+            mesh.vertices().filter(|v| regions[v.index()] == crumb as u32).collect();
+        let mut votes = std::collections::BTreeMap::<u32, usize>::new();
+        for &v in &members {
+            for w in mesh.outgoing(v).map(|h| mesh.tip(h)) {
+                if regions[w.index()] != crumb as u32 {
+                    *votes.entry(labels[w.index()]).or_default() += 1;
+                }
+            }
+        }
+        // A whole component of the surface has no neighbours.
+        let Some((&label, _)) =
+            votes.iter().max_by_key(|(label, n)| (**n, std::cmp::Reverse(**label)))
+        else {
+            return;
+        };
+        members.iter().for_each(|v| labels[v.index()] = label);
+    }
 }
