@@ -3,7 +3,9 @@
 
 import { byId, h, paced, roving, settle } from "./dom.js";
 import { EngineClient } from "./engine-client.js";
+import { listenToKeys } from "./keys.js";
 import { FLAT, SURFACE, Views } from "./views.js";
+import { brushPanel } from "./panels/brush.js";
 import { fileSources } from "./panels/drop.js";
 import { emptyState } from "./panels/empty.js";
 import { errorPanel, toast, waitStrip } from "./panels/error.js";
@@ -16,10 +18,13 @@ import { meshSection } from "./panels/mesh-section.js";
 import { parametersPanel } from "./panels/parameters.js";
 import { piecesPanel } from "./panels/pieces.js";
 import { energyPlot } from "./panels/plot.js";
+import { presetsPanel } from "./panels/presets.js";
 import { ruler } from "./panels/ruler.js";
 import { readAddress, shareButton, valueFor } from "./panels/share.js";
 import { statusPanel } from "./panels/status.js";
+import { symmetryPanel } from "./panels/symmetry.js";
 import { theme } from "./panels/theme.js";
+import { foldTool, viewTools } from "./panels/tools.js";
 import { measure, percent, plural } from "./format.js";
 
 const FIRST_SAMPLE = "ball";
@@ -45,6 +50,8 @@ const now = {
   pattern: null,
   scene: null,
   samples: { options: [], current: null },
+  /** Numbers of the stages of a step, for Learn. */
+  stages: [],
 };
 
 const say = toast();
@@ -62,7 +69,16 @@ const status = statusPanel({
   step: takeStep,
   reset: () => onPieces({ type: "reset" }),
 });
-const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value));
+const symmetry = symmetryPanel({
+  find: () => answered("Looking for symmetries", "The search was cancelled.", () => client.command({ type: "find_symmetries" })),
+  choose: (ids) => client.command({ type: "set_symmetry", ids }),
+});
+const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), { Symmetry: symmetry.node });
+const presets = presetsPanel(
+  byId("presets"),
+  (id) => changing("Setting the preset", { type: "apply_preset", id }),
+  (name) => now.samples.options.find((sample) => sample.name === name)?.label,
+);
 const plot = energyPlot(byId("plot"));
 const measures = measuresPanel(byId("measures"));
 const pieces = piecesPanel(byId("pieces"), (patch) => views.setHover(patch));
@@ -81,7 +97,11 @@ const [surfaceView, flatView] = [document.querySelector(".view.surface"), docume
 const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"));
 const legend = legends(surfaceView.querySelector(".legend"), flatView.querySelector(".legend"));
 const measureRuler = ruler(flatView.querySelector(".ruler"));
-const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern, marked()));
+const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern, marked(), fold.line()));
+const fold = foldTool(
+  () => onPieces({ type: "fold" }),
+  () => client.command({ type: "unfold" }),
+);
 
 const views = new Views(stages, {
   renderer: (name) => {
@@ -91,7 +111,10 @@ const views = new Views(stages, {
     byId("hint").title = `Drawn with ${title}. Add ?renderer=${name === "webgpu" ? "webgl" : "webgpu"} to the address for the other.`;
   },
   taken: () => client.sceneTaken(),
-  drawn: () => measureRuler.show(views.pixelsPerUnit(), now.pattern),
+  drawn() {
+    measureRuler.show(views.pixelsPerUnit(), now.pattern);
+    learn.drawn();
+  },
   hover: (patch) => pieces.light(patch, true),
   describe: tipFor,
   failed: (reason) => {
@@ -103,6 +126,24 @@ const views = new Views(stages, {
   },
 });
 
+const brush = brushPanel(
+  views,
+  {
+    paint: (dab) => client.command({ type: "paint", ...dab }),
+    clear: (channel) => client.command({ type: "clear_paint", channel }),
+    circle: ({ face, x, y, z }) => changing("Starting at a circle", { type: "place_circle", face, place: [x, y, z] }),
+    field: showField,
+    changed(isOn) {
+      tools.held(isOn);
+      const words = byId("hint").querySelector("span");
+      if (words) words.textContent = isOn ? "Drag paints, beside the surface it turns · " : "Drag to turn · ";
+    },
+  },
+  () => ({ fields: now.fields.options, current: now.fields.current }),
+);
+
+const tools = viewTools(views, () => brush.put());
+
 const handlers = {
   samples(event) {
     now.samples = event;
@@ -112,7 +153,9 @@ const handlers = {
     now.mesh = event;
     now.doctor = null;
     now.opened = null;
+    now.stages = [];
     document.title = `Cutflow – ${event.name}`;
+    brush.drop();
     mesh.show(event);
     meshPanel.show(event);
     plot.clear();
@@ -139,8 +182,27 @@ const handlers = {
     now.opened ??= event.values;
     parameters.show(event);
   },
+  presets: (event) => presets.show(event),
+  paint_channels(event) {
+    brush.offer(event);
+    byId("hide-seams").hidden = !brush.offers("penalty");
+  },
+  symmetries(event) {
+    symmetry.show(event);
+    parameters.summarise();
+  },
+  fold(event) {
+    fold.show(event);
+    if (event.is_on) brush.put();
+    allow();
+  },
+  stages(event) {
+    now.stages = event.stages;
+    learn.update();
+  },
   status(event) {
-    preparing(event.state === "preparing" ? event.text : null);
+    // The preview is watched while it goes on and ends with its own button.
+    preparing(event.state === "preparing" && !fold.isOn() ? event.text : null);
     status.show(event);
     explainEmpty();
     learn.update();
@@ -198,6 +260,9 @@ const client = new EngineClient({
   restarted(sentence, hasDocument) {
     preparing(null);
     wait.end();
+    brush.drop();
+    symmetry.rest();
+    fold.clear();
     say(sentence);
     if (hasDocument) status.show({ state: "loading", step: 0, text: "Loading the last mesh again" });
     else status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
@@ -219,7 +284,9 @@ const learn = learnPanel(
   {
     field: showField,
     step: takeStep,
-    layout: () => {},
+    wires: (on) => views.setWireframe(on || byId("wireframe").getAttribute("aria-pressed") === "true"),
+    layout: () => brush.put(),
+    picture: (canvas) => views.copySurface(canvas),
   },
   () => ({
     name: now.mesh?.name ?? "",
@@ -229,6 +296,8 @@ const learn = learnPanel(
     fields: now.fields.options,
     current: now.fields.current,
     field: now.scene?.field ?? null,
+    scene: now.scene,
+    stages: now.stages,
   }),
 );
 
@@ -256,6 +325,10 @@ function allow() {
   status.block(reason);
   exports.block(reason);
   byId("learn").disabled = reason !== null;
+  fold.block(reason);
+  const isFolded = fold.isOn() ? "End the fold preview first" : null;
+  brush.block(reason ?? isFolded);
+  byId("hide-seams").disabled = (reason ?? isFolded) !== null;
   if (reason !== null) learn.close();
   for (const select of document.querySelectorAll("select.overlay")) {
     select.disabled = reason !== null;
@@ -288,6 +361,14 @@ async function onPieces(command) {
 
 function showField(id) {
   if (id !== now.fields.current || now.doctor?.shown) onPieces({ type: "show_field", id });
+}
+
+async function hideSeams() {
+  const eye = views.eye();
+  if (!eye) return;
+  await answered("Looking at the surface from here", "Hiding the seams was cancelled.", () => onPieces({ type: "hide_from_camera", eye }));
+  showField("penalty");
+  say("Cuts now cost more where this view sees them: the penalty η that is shown. Run moves them out of sight.");
 }
 
 function openMeshSection() {
@@ -423,27 +504,7 @@ shareButton(() => ({
   opened: now.opened ?? {},
 }));
 
-// The tools over the views.
-
-function toggle(id, change) {
-  const button = byId(id);
-  button.addEventListener("click", () => {
-    const on = button.getAttribute("aria-pressed") !== "true";
-    button.setAttribute("aria-pressed", String(on));
-    change(on);
-  });
-}
-toggle("wireframe", (on) => views.setWireframe(on));
-toggle("checkerboard", (on) => views.setChecker(on));
-byId("fit-surface").addEventListener("click", () => views.fit(SURFACE));
-byId("fit-pattern").addEventListener("click", () => views.fit(FLAT));
-for (const [id, pans] of [["orbit", false], ["pan", true]]) {
-  byId(id).addEventListener("click", () => {
-    byId("orbit").setAttribute("aria-pressed", String(!pans));
-    byId("pan").setAttribute("aria-pressed", String(pans));
-    views.setPanTool(pans);
-  });
-}
+byId("hide-seams").addEventListener("click", hideSeams);
 
 // Tabs: methods that are not built yet say so; the sheet of small screens shows one panel at a time.
 
@@ -470,34 +531,21 @@ sheet.addEventListener("click", ({ target }) => target.role === "tab" && showShe
 roving(sheet, "[role=tab]", showSheet);
 showSheet(sheet.firstElementChild);
 
-// Keys: letters work wherever nothing is being typed, Space and Enter belong to the control in focus.
-
-const press = (id) => !byId(id).disabled && byId(id).click();
-const keys = {
-  o: () => byId("file").click(),
-  " ": () => press(status.state() === "running" ? "pause" : "run"),
-  ".": () => press("step"),
-  r: () => press("reset"),
-  f: () => (flatView.matches(":hover") ? views.fit(FLAT) : views.fit(SURFACE)),
-  w: () => byId("wireframe").click(),
-  c: () => byId("checkerboard").click(),
-};
-addEventListener("keydown", (event) => {
-  if (event.defaultPrevented || event.altKey) return;
-  const { target } = event;
-  const types = target.matches("select, textarea, input:not([type=range], [type=checkbox], [type=file])");
-  if (event.ctrlKey || event.metaKey) {
-    if (event.key.toLowerCase() !== "z" || types) return;
-    event.preventDefault();
-    press(event.shiftKey ? "redo" : "undo");
-    return;
-  }
-  if (event.key === "Escape" && error.dismiss()) return;
-  const action = keys[event.key.toLowerCase()];
-  const isControl = target.closest("button, a, input, summary, select, [role=menu]") !== null;
-  if (!action || types || (event.key === " " && isControl)) return;
-  event.preventDefault();
-  action();
+const press = (id) => !byId(id).disabled && !byId(id).hidden && byId(id).click();
+listenToKeys({
+  press,
+  dismiss: () => error.dismiss(),
+  held: (name) => brush.key(name),
+  actions: {
+    o: () => byId("file").click(),
+    " ": () => press(status.state() === "running" ? "pause" : "run"),
+    ".": () => press("step"),
+    r: () => press("reset"),
+    f: () => (flatView.matches(":hover") ? views.fit(FLAT) : views.fit(SURFACE)),
+    w: () => press("wireframe"),
+    c: () => press("checkerboard"),
+    b: () => learn.isOpen() || press("brush"),
+  },
 });
 
 // Begin: pictures and solver load side by side.

@@ -112,7 +112,8 @@ pub fn chart(scene: &Scene, vertex: u32) -> Vec3 {
     Vec2::from_slice(&scene.charts[2 * vertex as usize..]).extend(0.0)
 }
 
-fn normal(scene: &Scene, vertex: u32) -> Vec3 {
+/// Unit normal at a vertex.
+pub fn normal(scene: &Scene, vertex: u32) -> Vec3 {
     Vec3::from_slice(&scene.normals[3 * vertex as usize..])
 }
 
@@ -313,6 +314,17 @@ pub fn mark_segment_ribbons(scene: &Scene) -> Vec<u8> {
     let mut bytes = Vec::new();
     for &[x0, y0, z0, x1, y1, z1] in scene.mark_segments.as_chunks().0 {
         Ribbon::lone(Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1)).push(&mut bytes);
+    }
+    bytes
+}
+
+/// A closed line through places on the surface.
+pub fn ring_ribbons(ring: &[Vec3]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let at = |i: usize| ring[i % ring.len()];
+    for i in 0..ring.len() {
+        let [before, after] = [at(i + ring.len() - 1), at(i + 2)];
+        Ribbon { before, after, ..Ribbon::lone(at(i), at(i + 1)) }.push(&mut bytes);
     }
     bytes
 }

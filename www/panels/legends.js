@@ -73,15 +73,23 @@ function flatSummary({ patches }, pattern) {
 export function legends(surface, flat) {
   let shown = "";
   return {
-    /** Takes a scene, the size of the pattern where it is known, and what is marked in place of the pieces, if anything. */
-    show(scene, pattern, marked) {
-      const print = JSON.stringify([scene.field, scene.patches.map((p) => [p.area_fraction, p.has_chart, p.flipped]), pattern, marked]);
+    /**
+     * Takes a scene, the size of the pattern where it is known, what is marked in place of the pieces, if anything,
+     * and the two parts of what a preview says of the surface, if there is one.
+     */
+    show(scene, pattern, marked, preview) {
+      const patches = scene.patches.map((p) => [p.area_fraction, p.has_chart, p.flipped]);
+      const print = JSON.stringify([scene.field, patches, pattern, marked, preview]);
       if (print === shown) return;
       shown = print;
       if (marked) {
         const text = h("span", { title: marked }, marked);
         surface.replaceChildren(h("div", { class: "marked" }, h("i", { class: "chip mark" }), text));
         flat.replaceChildren();
+      } else if (preview) {
+        const [strong, text] = preview;
+        surface.replaceChildren(h("div", { class: "preview" }, h("b", {}, strong), h("span", {}, text)));
+        flat.replaceChildren(...(scene.field ? fieldLegend(scene.field) : flatSummary(scene, pattern)));
       } else if (scene.field) {
         surface.replaceChildren(...fieldLegend(scene.field));
         flat.replaceChildren(...fieldLegend(scene.field));
