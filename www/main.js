@@ -156,6 +156,7 @@ const handlers = {
     now.stages = [];
     document.title = `Cutflow – ${event.name}`;
     brush.drop();
+    fold.clear();
     mesh.show(event);
     meshPanel.show(event);
     plot.clear();

@@ -77,7 +77,7 @@ export function brushPanel(views, on, facts) {
     queue.drop();
     on.clear(channel.id);
   });
-  const hint = h("span", { class: "say", role: "status" });
+  const hint = h("span", { class: "say", "aria-live": "polite" });
   host.append(
     h("span", { class: "pick" }, paint, icon("down")),
     swatches,

@@ -72,7 +72,7 @@ export function learnPanel(on, facts) {
       if (k === i) button.parentElement.setAttribute("aria-current", "step");
       else button.parentElement.removeAttribute("aria-current");
     });
-    buttons[i].parentElement.scrollIntoView({ block: "nearest", inline: "nearest" });
+    buttons[i].parentElement.scrollIntoView({ block: "nearest", inline: "center" });
     const content = document.importNode(lessons[i], true);
     const other = (k, name) =>
       lessons[k]

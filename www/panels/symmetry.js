@@ -5,7 +5,7 @@ import { percent } from "../format.js";
 
 /** `on.find()` searches, `on.choose(ids)` says which of them the cut is to have; both resolve when answered. */
 export function symmetryPanel(on) {
-  const line = h("p", { class: "fine", role: "status" });
+  const line = h("p", { class: "fine", "aria-live": "polite" });
   const button = h("button", { class: "act", onclick: find }, "Find symmetries");
   const list = h("ul", { class: "symmetries", "aria-label": "Symmetries", hidden: true });
   const node = h("div", { class: "symmetry", hidden: true }, line, list, button);
