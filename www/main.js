@@ -1,14 +1,14 @@
 // Wires the page together: the engine's events go to the panels, what people do goes to the engine as commands. The
 // page itself holds no geometry; it draws, each animation frame, the newest scene that the worker has sent.
 
-import { byId, h, paced, roving, settle } from "./dom.js";
+import { byId, h, paced, settle } from "./dom.js";
 import { EngineClient } from "./engine-client.js";
 import { listenToKeys } from "./keys.js";
 import { FLAT, SURFACE, Views } from "./views.js";
 import { brushPanel } from "./panels/brush.js";
 import { fileSources } from "./panels/drop.js";
 import { emptyState } from "./panels/empty.js";
-import { errorPanel, toast, waitStrip } from "./panels/error.js";
+import { errorPanel, toast } from "./panels/error.js";
 import { download, exportMenu } from "./panels/export-menu.js";
 import { learnPanel } from "./panels/learn.js";
 import { legends } from "./panels/legends.js";
@@ -24,7 +24,9 @@ import { readAddress, shareButton, valueFor } from "./panels/share.js";
 import { statusPanel } from "./panels/status.js";
 import { symmetryPanel } from "./panels/symmetry.js";
 import { theme } from "./panels/theme.js";
+import { methodTabs, sheetTabs } from "./panels/tabs.js";
 import { foldTool, viewTools } from "./panels/tools.js";
+import { waiting } from "./panels/waiting.js";
 import { measure, percent, plural } from "./format.js";
 
 const FIRST_SAMPLE = "ball";
@@ -40,8 +42,6 @@ const now = {
   mesh: null,
   /** What the doctor said about it. */
   doctor: null,
-  /** What the engine prepares by itself, as a sentence; null where it prepares nothing. */
-  preparing: null,
   values: {},
   /** The values with which the mesh was opened. */
   opened: null,
@@ -55,14 +55,16 @@ const now = {
 };
 
 const say = toast();
-const wait = waitStrip();
+const waits = waiting({
+  cancel: (sentence) => client.cancel(sentence),
+  stop: stopPreparing,
+  mesh: () => now.mesh,
+  busy: (isBusy) => meshPanel.busy(isBusy),
+});
 const error = errorPanel(async () => {
   await client.command({ type: "dismiss_error" });
   status.recover();
 });
-/** The strips that are shown or were last: for the answer to a command, and for what the engine prepares. */
-let answerWait = null;
-let preparationWait = null;
 const status = statusPanel({
   run: () => onPieces({ type: "run" }),
   pause: () => client.command({ type: "pause" }),
@@ -70,7 +72,7 @@ const status = statusPanel({
   reset: () => onPieces({ type: "reset" }),
 });
 const symmetry = symmetryPanel({
-  find: () => answered("Looking for symmetries", "The search was cancelled.", () => client.command({ type: "find_symmetries" })),
+  find: () => waits.answer("Looking for symmetries", "The search was cancelled.", () => client.command({ type: "find_symmetries" })),
   choose: (ids) => client.command({ type: "set_symmetry", ids }),
 });
 const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), { Symmetry: symmetry.node });
@@ -170,14 +172,12 @@ const handlers = {
     now.doctor = event;
     mesh.judge(event);
     meshPanel.judge(event);
-    if (isNew && !event.solvable) showSheet(sheet.firstElementChild);
+    if (isNew && !event.solvable) sheet.toParameters();
     allow();
   },
   size: (event) => meshPanel.size(event),
   tools: (event) => meshPanel.tools(event),
-  progress({ label, fraction }) {
-    preparationWait?.progress(label, fraction);
-  },
+  progress: ({ label, fraction }) => waits.progress(label, fraction),
   parameters(event) {
     now.values = event.values;
     now.opened ??= event.values;
@@ -203,7 +203,7 @@ const handlers = {
   },
   status(event) {
     // The preview is watched while it goes on and ends with its own button.
-    preparing(event.state === "preparing" && !fold.isOn() ? event.text : null);
+    waits.prepare(event.state === "preparing" && !fold.isOn() ? event.text : null);
     status.show(event);
     explainEmpty();
     learn.update();
@@ -249,7 +249,7 @@ const client = new EngineClient({
   events(list, spent) {
     for (const event of list) handlers[event.type]?.(event);
     const steps = list.filter((event) => event.type === "energy" && event.step > 0).length;
-    if (spent > 0 && now.preparing === null) status.spent(spent, steps);
+    if (spent > 0 && !waits.isPreparing()) status.spent(spent, steps);
     if (status.state() !== "running") settle();
   },
   scene(scene) {
@@ -259,8 +259,7 @@ const client = new EngineClient({
     learn.update();
   },
   restarted(sentence, hasDocument) {
-    preparing(null);
-    wait.end();
+    waits.end();
     brush.drop();
     symmetry.rest();
     fold.clear();
@@ -269,8 +268,7 @@ const client = new EngineClient({
     else status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
   },
   failed(reason) {
-    preparing(null);
-    wait.end();
+    waits.end();
     const event = {
       what: "The solver does not run in this browser.",
       where: reason,
@@ -367,14 +365,14 @@ function showField(id) {
 async function hideSeams() {
   const eye = views.eye();
   if (!eye) return;
-  await answered("Looking at the surface from here", "Hiding the seams was cancelled.", () => onPieces({ type: "hide_from_camera", eye }));
+  await waits.answer("Looking at the surface from here", "Hiding the seams was cancelled.", () => onPieces({ type: "hide_from_camera", eye }));
   showField("penalty");
   say("Cuts now cost more where this view sees them: the penalty η that is shown. Run moves them out of sight.");
 }
 
 function openMeshSection() {
   learn.close();
-  showSheet(sheet.firstElementChild);
+  sheet.toParameters();
   meshPanel.open();
 }
 
@@ -384,33 +382,7 @@ function repairAll() {
 
 /** Sends a command that gives another mesh at once, with a way out where it takes long. */
 async function changing(sentence, command) {
-  await answered(sentence, `${sentence} was cancelled.`, () => client.command(command));
-}
-
-/** Waits for the answer to `ask()`; who does not want to wait for it gets a new engine. */
-async function answered(sentence, cancelled, ask) {
-  const mine = wait.begin(sentence, () => client.cancel(cancelled));
-  answerWait = mine;
-  const answer = await ask();
-  mine.end();
-  awaitPreparation();
-  return answer;
-}
-
-/** Takes what is prepared now, null where nothing is. */
-function preparing(sentence) {
-  const changed = (sentence === null) !== (now.preparing === null);
-  now.preparing = sentence;
-  if (changed) meshPanel.busy(sentence !== null);
-  if (sentence === null) preparationWait?.end();
-  else awaitPreparation();
-}
-
-/** Shows what is prepared: once for each mesh, and not before an answer that is waited for. */
-function awaitPreparation() {
-  if (now.preparing === null || answerWait?.isOn()) return;
-  if (preparationWait?.isOn() && preparationWait.mesh === now.mesh) return;
-  preparationWait = { mesh: now.mesh, ...wait.begin(now.preparing, stopPreparing) };
+  await waits.answer(sentence, `${sentence} was cancelled.`, () => client.command(command));
 }
 
 /** A tool that does not stop is stopped with its engine. A first cut is not: a new engine would begin it again. */
@@ -424,7 +396,7 @@ async function stopPreparing() {
 
 async function opening(name, open) {
   status.show({ state: "loading", step: 0, text: `Loading ${name}` });
-  const answer = await answered(`Loading ${name}`, "Opening was cancelled.", open);
+  const answer = await waits.answer(`Loading ${name}`, "Opening was cancelled.", open);
   // The engine says how it went; a refused file leaves the document before it in place.
   return answer.events.some((event) => event.type === "mesh");
 }
@@ -435,7 +407,7 @@ async function openFile(file, left) {
     await opening(file.name, async () => client.openMesh(file.name, new Uint8Array(await file.arrayBuffer())));
   } catch (reason) {
     // The browser may refuse to read a file that was moved, or a folder.
-    wait.end();
+    waits.hide();
     const event = {
       what: `${file.name} cannot be read.`,
       where: String(reason?.message ?? reason),
@@ -507,30 +479,8 @@ shareButton(() => ({
 
 byId("hide-seams").addEventListener("click", hideSeams);
 
-// Tabs: methods that are not built yet say so; the sheet of small screens shows one panel at a time.
-
-const methods = document.querySelector(".methods [role=tablist]");
-function refuse(tab) {
-  if (tab.getAttribute("aria-disabled") === "true") say(`“${tab.textContent}” is not built yet: this version has the cut flow.`);
-}
-methods.addEventListener("click", ({ target }) => target.role === "tab" && refuse(target));
-roving(methods, "[role=tab]");
-if (asked.method !== "cutflow") {
-  const tab = byId(`tab-${asked.method}`);
-  if (tab) refuse(tab);
-}
-
-const sheet = document.querySelector(".sheet");
-function showSheet(tab) {
-  root.dataset.sheet = tab.dataset.sheet;
-  for (const other of sheet.children) {
-    other.setAttribute("aria-selected", String(other === tab));
-    other.tabIndex = other === tab ? 0 : -1;
-  }
-}
-sheet.addEventListener("click", ({ target }) => target.role === "tab" && showSheet(target));
-roving(sheet, "[role=tab]", showSheet);
-showSheet(sheet.firstElementChild);
+methodTabs(asked.method, say);
+const sheet = sheetTabs();
 
 const press = (id) => !byId(id).disabled && !byId(id).hidden && byId(id).click();
 listenToKeys({
