@@ -368,6 +368,7 @@ export class Views {
       host.setPointerCapture(event.pointerId);
       pointers.set(event.pointerId, place(event));
       this.#canvas(view)?.focus({ preventScroll: true });
+      if (view === SURFACE && this.#brush) this.#brushAt = place(event);
       if (pointers.size === 1 && paints(event)) {
         if (event.pointerType === "touch") touched = place(event);
         else if (paint(place(event), event, true)) {

@@ -48,6 +48,8 @@ export function brushPanel(views, on, facts) {
   /** Whether the next click starts a circle. */
   let placesCircle = false;
   let erases = false;
+  /** Whether the drag that goes on is a stroke. */
+  let isDrawn = false;
   /** The overlay that is to come back, and the one that the brush has chosen. */
   let before = null;
   let chosen = null;
@@ -153,8 +155,9 @@ export function brushPanel(views, on, facts) {
     radius: () => (placesCircle || channel?.kind === "place" ? POINT : size),
     /** Takes the dabs of a movement. */
     stroke(picks, begins, isAlt) {
-      const isClick = placesCircle || channel.kind === "place";
-      if (isClick && !begins) return;
+      // What a click has set is not drawn on by the drag that follows.
+      if (!begins && !isDrawn) return;
+      isDrawn = !placesCircle && channel.kind !== "place";
       if (placesCircle) {
         setCircle(false);
         on.circle(picks[0]);
