@@ -50,8 +50,8 @@ const now = {
   pattern: null,
   scene: null,
   samples: { options: [], current: null },
-  /** Numbers of the stages of a step, for Learn. */
-  stages: [],
+  /** Numbers of the stages of the next step, for Learn: the last `stages` event. */
+  stages: null,
 };
 
 const say = toast();
@@ -155,7 +155,7 @@ const handlers = {
     now.mesh = event;
     now.doctor = null;
     now.opened = null;
-    now.stages = [];
+    now.stages = null;
     document.title = `Cutflow – ${event.name}`;
     brush.drop();
     fold.clear();
@@ -198,7 +198,7 @@ const handlers = {
     allow();
   },
   stages(event) {
-    now.stages = event.stages;
+    now.stages = event;
     learn.update();
   },
   status(event) {
@@ -296,7 +296,7 @@ const learn = learnPanel(
     current: now.fields.current,
     field: now.scene?.field ?? null,
     scene: now.scene,
-    stages: now.stages,
+    stages: now.stages?.step === status.step() + 1 ? now.stages.stages : [],
   }),
 );
 

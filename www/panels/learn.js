@@ -109,7 +109,7 @@ export function learnPanel(on, facts) {
   /** What the engine tells of the stage, else what its field and the energy tell. */
   function rowsOf({ points, rows, field, stages }) {
     const { dataset } = lessons[at];
-    const told = stages?.find(({ id }) => id === dataset.id)?.numbers ?? [];
+    const told = stages.find(({ id }) => id === dataset.id)?.numbers ?? [];
     if (told.length > 0) return told.map(({ label, value, unit }) => [label, measure(value, unit)]);
     const list = [];
     if (field && field.id === fieldOf(at)) {
