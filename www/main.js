@@ -66,10 +66,10 @@ const error = errorPanel(async () => {
   status.recover();
 });
 const status = statusPanel({
-  run: () => onPieces({ type: "run" }),
+  run: () => onCut({ type: "run" }),
   pause: () => client.command({ type: "pause" }),
   step: takeStep,
-  reset: () => onPieces({ type: "reset" }),
+  reset: () => onCut({ type: "reset" }),
 });
 const symmetry = symmetryPanel({
   find: () => waits.answer("Looking for symmetries", "The search was cancelled.", () => client.command({ type: "find_symmetries" })),
@@ -284,7 +284,10 @@ const learn = learnPanel(
     field: showField,
     step: takeStep,
     wires: (on) => views.setWireframe(on || byId("wireframe").getAttribute("aria-pressed") === "true"),
-    layout: () => brush.put(),
+    layout() {
+      brush.put();
+      endFold();
+    },
     picture: (canvas) => views.copySurface(canvas),
   },
   () => ({
@@ -304,7 +307,7 @@ const learn = learnPanel(
 
 async function takeStep() {
   if (status.state() === "running") await client.command({ type: "pause" });
-  onPieces({ type: "step" });
+  onCut({ type: "step" });
 }
 
 /** What is marked on the surface in place of the pieces, as a sentence; null for the pieces. */
@@ -352,6 +355,16 @@ async function toPieces() {
   if (now.doctor?.shown) await client.command({ type: "show_finding", id: null });
 }
 
+/** What acts on the cut ends the fold preview: it would show a cut that is no more. */
+async function endFold() {
+  if (fold.isOn()) await client.command({ type: "unfold" });
+}
+
+async function onCut(command) {
+  await endFold();
+  return onPieces(command);
+}
+
 /** Sends a command whose effect is seen on the pieces only. */
 async function onPieces(command) {
   await toPieces();
@@ -382,6 +395,7 @@ function repairAll() {
 
 /** Sends a command that gives another mesh at once, with a way out where it takes long. */
 async function changing(sentence, command) {
+  await endFold();
   await waits.answer(sentence, `${sentence} was cancelled.`, () => client.command(command));
 }
 

@@ -255,7 +255,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   });
 
   it("folds the surface from its flat pieces, and ends that with the same button", async (t) => {
-    if (!(await offered(t, button("Fold preview"), "fold preview"))) return;
+    if (!(await offered(t, group("Presets"), "fold preview, as it offers no presets"))) return;
     await button("Fold preview").click();
     await page.until("the preview is on", () => pressed("Fold preview"), (state) => state === "true");
     const legend = browser.page.locator(".surface .legend");

@@ -49,7 +49,6 @@ export function foldTool(begin, end) {
     /** Takes a `fold` event. */
     show(event) {
       state = event;
-      button.hidden = false;
       button.setAttribute("aria-pressed", String(event.is_on));
       if (!button.disabled) button.title = event.is_on ? "Back to the surface as it is" : title;
     },
