@@ -8,7 +8,7 @@ import { numberRow } from "./number.js";
 /** Up to this many letters in all, a choice is a row of buttons; beyond, a list. */
 const SEGMENT_LETTERS = 22;
 /** Groups that are open until somebody folds them: the first ones are what a cut is begun and judged by. */
-const OPEN = 2;
+const OPEN = 3;
 /** The group that the Mesh section shows in its own way. */
 const SIZE = "Size";
 const ADVANCED = "Advanced";
