@@ -542,10 +542,10 @@ impl Stage {
             Part::MarkPoints => arrays::mark_point_ribbons(scene),
             Part::MarkSegments => arrays::mark_segment_ribbons(scene),
             Part::Brush => arrays::ring_ribbons(&self.ring),
-            Part::Ramp => {
-                let is_signed = scene.field.as_ref().is_some_and(|field| field.signed);
-                color::ramp(is_signed, RAMP_PIXELS)
-            }
+            Part::Ramp => match &scene.field {
+                Some(field) if arrays::is_labels(field) => color::label_ramp(RAMP_PIXELS),
+                field => color::ramp(field.as_ref().is_some_and(|f| f.signed), RAMP_PIXELS),
+            },
             Part::Shadow => match &self.occlusion {
                 Some(occlusion) => occlusion.ground_shadow(),
                 None => vec![0; occlusion::SHADOW_PIXELS.pow(2)],

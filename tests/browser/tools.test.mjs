@@ -11,10 +11,10 @@ import { decodePng, difference } from "./pixels.mjs";
 
 /** 642 vertices: three mirror planes, and quick to cut. */
 const MESH = parseObj(ellipsoid(3));
-/** The same with no plane or axis left: every direction is bent in its own way. */
+/** The same with no plane or axis left, not even by the few per cent that count as symmetric. */
 const CROOKED = {
   ...MESH,
-  vertices: MESH.vertices.map(([x, y, z]) => [x + 0.2 * y * z + 0.15 * x * x, y + 0.12 * x * y - 0.1 * z * z, z + 0.18 * x * y * y]),
+  vertices: MESH.vertices.map(([x, y, z]) => [x + 0.25 * x * x + 0.3 * y * z, 0.7 * y + 0.3 * x * y + 0.25 * z * z, 0.5 * z + 0.35 * x * y + 0.2 * y * y * x]),
 };
 const STAGES = [
   ["Curvature K", "curvature"],
@@ -108,7 +108,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
     const values = () => browser.page.locator("#settings :is(input, select)").evaluateAll((all) => all.map((one) => (one.type === "checkbox" ? one.checked : one.value)).join());
     const start = await values();
     await browser.page.getByLabel("Sample", { exact: true }).selectOption("ball");
-    await opened("ball");
+    await opened("Ball");
     await button("Plush").click();
     await page.until("the preset is marked", () => pressed("Plush"), (state) => state === "true");
     const plush = await values();

@@ -10,7 +10,11 @@ function end(value, signed) {
   return signed && value > 0 ? `+${text}` : text;
 }
 
+const line = (strong, text) => [h("div", {}, h("b", {}, strong), " ", text)];
+
 function fieldLegend(field) {
+  // Labels are names: they have no range and no mean.
+  if (field.id === "regions") return line(field.label, "in the colours of the brush");
   const [low, high] = field.range;
   const bins = field.histogram;
   const bars = bins.map((share, i) => {
@@ -38,8 +42,6 @@ function fieldLegend(field) {
     ),
   ];
 }
-
-const line = (strong, text) => [h("div", {}, h("b", {}, strong), " ", text)];
 
 // A mesh that is not cut yet has no pieces to tell of.
 const isUncut = (patches) => patches.every((patch) => patch.area_fraction === 0);
