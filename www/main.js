@@ -1,12 +1,14 @@
 // Wires the page together: the engine's events go to the panels, what people do goes to the engine as commands. The
 // page itself holds no geometry; it draws, each animation frame, the newest scene that the worker has sent.
 
-import { byId, h, paced, roving, settle } from "./dom.js";
+import { byId, h, paced, settle } from "./dom.js";
 import { EngineClient } from "./engine-client.js";
+import { listenToKeys } from "./keys.js";
 import { FLAT, SURFACE, Views } from "./views.js";
+import { brushPanel } from "./panels/brush.js";
 import { fileSources } from "./panels/drop.js";
 import { emptyState } from "./panels/empty.js";
-import { errorPanel, toast, waitStrip } from "./panels/error.js";
+import { errorPanel, toast } from "./panels/error.js";
 import { download, exportMenu } from "./panels/export-menu.js";
 import { learnPanel } from "./panels/learn.js";
 import { legends } from "./panels/legends.js";
@@ -16,10 +18,15 @@ import { meshSection } from "./panels/mesh-section.js";
 import { parametersPanel } from "./panels/parameters.js";
 import { piecesPanel } from "./panels/pieces.js";
 import { energyPlot } from "./panels/plot.js";
+import { presetsPanel } from "./panels/presets.js";
 import { ruler } from "./panels/ruler.js";
 import { readAddress, shareButton, valueFor } from "./panels/share.js";
 import { statusPanel } from "./panels/status.js";
+import { symmetryPanel } from "./panels/symmetry.js";
 import { theme } from "./panels/theme.js";
+import { methodTabs, sheetTabs } from "./panels/tabs.js";
+import { foldTool, viewTools } from "./panels/tools.js";
+import { waiting } from "./panels/waiting.js";
 import { measure, percent, plural } from "./format.js";
 
 const FIRST_SAMPLE = "ball";
@@ -35,8 +42,6 @@ const now = {
   mesh: null,
   /** What the doctor said about it. */
   doctor: null,
-  /** What the engine prepares by itself, as a sentence; null where it prepares nothing. */
-  preparing: null,
   values: {},
   /** The values with which the mesh was opened. */
   opened: null,
@@ -45,24 +50,37 @@ const now = {
   pattern: null,
   scene: null,
   samples: { options: [], current: null },
+  /** Numbers of the stages of the next step, for Learn: the last `stages` event. */
+  stages: null,
 };
 
 const say = toast();
-const wait = waitStrip();
+const waits = waiting({
+  cancel: (sentence) => client.cancel(sentence),
+  stop: stopPreparing,
+  mesh: () => now.mesh,
+  busy: (isBusy) => meshPanel.busy(isBusy),
+});
 const error = errorPanel(async () => {
   await client.command({ type: "dismiss_error" });
   status.recover();
 });
-/** The strips that are shown or were last: for the answer to a command, and for what the engine prepares. */
-let answerWait = null;
-let preparationWait = null;
 const status = statusPanel({
-  run: () => onPieces({ type: "run" }),
+  run: () => onCut({ type: "run" }),
   pause: () => client.command({ type: "pause" }),
   step: takeStep,
-  reset: () => onPieces({ type: "reset" }),
+  reset: () => onCut({ type: "reset" }),
 });
-const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value));
+const symmetry = symmetryPanel({
+  find: () => waits.answer("Looking for symmetries", "The search was cancelled.", () => client.command({ type: "find_symmetries" })),
+  choose: (ids) => client.command({ type: "set_symmetry", ids }),
+});
+const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), { Symmetry: symmetry.node });
+const presets = presetsPanel(
+  byId("presets"),
+  (id) => changing("Setting the preset", { type: "apply_preset", id }),
+  (name) => now.samples.options.find((sample) => sample.name === name)?.label,
+);
 const plot = energyPlot(byId("plot"));
 const measures = measuresPanel(byId("measures"));
 const pieces = piecesPanel(byId("pieces"), (patch) => views.setHover(patch));
@@ -81,7 +99,11 @@ const [surfaceView, flatView] = [document.querySelector(".view.surface"), docume
 const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"));
 const legend = legends(surfaceView.querySelector(".legend"), flatView.querySelector(".legend"));
 const measureRuler = ruler(flatView.querySelector(".ruler"));
-const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern, marked()));
+const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern, marked(), fold.line()));
+const fold = foldTool(
+  () => onPieces({ type: "fold" }),
+  () => client.command({ type: "unfold" }),
+);
 
 const views = new Views(stages, {
   renderer: (name) => {
@@ -91,7 +113,10 @@ const views = new Views(stages, {
     byId("hint").title = `Drawn with ${title}. Add ?renderer=${name === "webgpu" ? "webgl" : "webgpu"} to the address for the other.`;
   },
   taken: () => client.sceneTaken(),
-  drawn: () => measureRuler.show(views.pixelsPerUnit(), now.pattern),
+  drawn() {
+    measureRuler.show(views.pixelsPerUnit(), now.pattern);
+    learn.drawn();
+  },
   hover: (patch) => pieces.light(patch, true),
   describe: tipFor,
   failed: (reason) => {
@@ -103,6 +128,24 @@ const views = new Views(stages, {
   },
 });
 
+const brush = brushPanel(
+  views,
+  {
+    paint: (dab) => client.command({ type: "paint", ...dab }),
+    clear: (channel) => client.command({ type: "clear_paint", channel }),
+    circle: ({ face, x, y, z }) => changing("Starting at a circle", { type: "place_circle", face, place: [x, y, z] }),
+    field: showField,
+    changed(isOn) {
+      tools.held(isOn);
+      const words = byId("hint").querySelector("span");
+      if (words) words.textContent = isOn ? "Drag paints, beside the surface it turns · " : "Drag to turn · ";
+    },
+  },
+  () => ({ fields: now.fields.options, current: now.fields.current }),
+);
+
+const tools = viewTools(views, () => brush.put());
+
 const handlers = {
   samples(event) {
     now.samples = event;
@@ -112,7 +155,10 @@ const handlers = {
     now.mesh = event;
     now.doctor = null;
     now.opened = null;
+    now.stages = null;
     document.title = `Cutflow – ${event.name}`;
+    brush.drop();
+    fold.clear();
     mesh.show(event);
     meshPanel.show(event);
     plot.clear();
@@ -126,21 +172,38 @@ const handlers = {
     now.doctor = event;
     mesh.judge(event);
     meshPanel.judge(event);
-    if (isNew && !event.solvable) showSheet(sheet.firstElementChild);
+    if (isNew && !event.solvable) sheet.toParameters();
     allow();
   },
   size: (event) => meshPanel.size(event),
   tools: (event) => meshPanel.tools(event),
-  progress({ label, fraction }) {
-    preparationWait?.progress(label, fraction);
-  },
+  progress: ({ label, fraction }) => waits.progress(label, fraction),
   parameters(event) {
     now.values = event.values;
     now.opened ??= event.values;
     parameters.show(event);
   },
+  presets: (event) => presets.show(event),
+  paint_channels(event) {
+    brush.offer(event);
+    byId("hide-seams").hidden = !brush.offers("penalty");
+  },
+  symmetries(event) {
+    symmetry.show(event);
+    parameters.summarise();
+  },
+  fold(event) {
+    fold.show(event);
+    if (event.is_on) brush.put();
+    allow();
+  },
+  stages(event) {
+    now.stages = event;
+    learn.update();
+  },
   status(event) {
-    preparing(event.state === "preparing" ? event.text : null);
+    // The preview is watched while it goes on and ends with its own button.
+    waits.prepare(event.state === "preparing" && !fold.isOn() ? event.text : null);
     status.show(event);
     explainEmpty();
     learn.update();
@@ -186,7 +249,7 @@ const client = new EngineClient({
   events(list, spent) {
     for (const event of list) handlers[event.type]?.(event);
     const steps = list.filter((event) => event.type === "energy" && event.step > 0).length;
-    if (spent > 0 && now.preparing === null) status.spent(spent, steps);
+    if (spent > 0 && !waits.isPreparing()) status.spent(spent, steps);
     if (status.state() !== "running") settle();
   },
   scene(scene) {
@@ -196,15 +259,16 @@ const client = new EngineClient({
     learn.update();
   },
   restarted(sentence, hasDocument) {
-    preparing(null);
-    wait.end();
+    waits.end();
+    brush.drop();
+    symmetry.rest();
+    fold.clear();
     say(sentence);
     if (hasDocument) status.show({ state: "loading", step: 0, text: "Loading the last mesh again" });
     else status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
   },
   failed(reason) {
-    preparing(null);
-    wait.end();
+    waits.end();
     const event = {
       what: "The solver does not run in this browser.",
       where: reason,
@@ -219,7 +283,12 @@ const learn = learnPanel(
   {
     field: showField,
     step: takeStep,
-    layout: () => {},
+    wires: (on) => views.setWireframe(on || byId("wireframe").getAttribute("aria-pressed") === "true"),
+    layout() {
+      brush.put();
+      endFold();
+    },
+    picture: (canvas) => views.copySurface(canvas),
   },
   () => ({
     name: now.mesh?.name ?? "",
@@ -229,6 +298,8 @@ const learn = learnPanel(
     fields: now.fields.options,
     current: now.fields.current,
     field: now.scene?.field ?? null,
+    scene: now.scene,
+    stages: now.stages?.step === status.step() + 1 ? now.stages.stages : [],
   }),
 );
 
@@ -236,7 +307,7 @@ const learn = learnPanel(
 
 async function takeStep() {
   if (status.state() === "running") await client.command({ type: "pause" });
-  onPieces({ type: "step" });
+  onCut({ type: "step" });
 }
 
 /** What is marked on the surface in place of the pieces, as a sentence; null for the pieces. */
@@ -256,6 +327,10 @@ function allow() {
   status.block(reason);
   exports.block(reason);
   byId("learn").disabled = reason !== null;
+  fold.block(reason);
+  const isFolded = fold.isOn() ? "End the fold preview first" : null;
+  brush.block(reason ?? isFolded);
+  byId("hide-seams").disabled = (reason ?? isFolded) !== null;
   if (reason !== null) learn.close();
   for (const select of document.querySelectorAll("select.overlay")) {
     select.disabled = reason !== null;
@@ -280,6 +355,16 @@ async function toPieces() {
   if (now.doctor?.shown) await client.command({ type: "show_finding", id: null });
 }
 
+/** What acts on the cut ends the fold preview: it would show a cut that is no more. */
+async function endFold() {
+  if (fold.isOn()) await client.command({ type: "unfold" });
+}
+
+async function onCut(command) {
+  await endFold();
+  return onPieces(command);
+}
+
 /** Sends a command whose effect is seen on the pieces only. */
 async function onPieces(command) {
   await toPieces();
@@ -290,9 +375,17 @@ function showField(id) {
   if (id !== now.fields.current || now.doctor?.shown) onPieces({ type: "show_field", id });
 }
 
+async function hideSeams() {
+  const eye = views.eye();
+  if (!eye) return;
+  await waits.answer("Looking at the surface from here", "Hiding the seams was cancelled.", () => onPieces({ type: "hide_from_camera", eye }));
+  showField("penalty");
+  say("Cuts now cost more where this view sees them: the penalty η that is shown. Run moves them out of sight.");
+}
+
 function openMeshSection() {
   learn.close();
-  showSheet(sheet.firstElementChild);
+  sheet.toParameters();
   meshPanel.open();
 }
 
@@ -302,33 +395,8 @@ function repairAll() {
 
 /** Sends a command that gives another mesh at once, with a way out where it takes long. */
 async function changing(sentence, command) {
-  await answered(sentence, `${sentence} was cancelled.`, () => client.command(command));
-}
-
-/** Waits for the answer to `ask()`; who does not want to wait for it gets a new engine. */
-async function answered(sentence, cancelled, ask) {
-  const mine = wait.begin(sentence, () => client.cancel(cancelled));
-  answerWait = mine;
-  const answer = await ask();
-  mine.end();
-  awaitPreparation();
-  return answer;
-}
-
-/** Takes what is prepared now, null where nothing is. */
-function preparing(sentence) {
-  const changed = (sentence === null) !== (now.preparing === null);
-  now.preparing = sentence;
-  if (changed) meshPanel.busy(sentence !== null);
-  if (sentence === null) preparationWait?.end();
-  else awaitPreparation();
-}
-
-/** Shows what is prepared: once for each mesh, and not before an answer that is waited for. */
-function awaitPreparation() {
-  if (now.preparing === null || answerWait?.isOn()) return;
-  if (preparationWait?.isOn() && preparationWait.mesh === now.mesh) return;
-  preparationWait = { mesh: now.mesh, ...wait.begin(now.preparing, stopPreparing) };
+  await endFold();
+  await waits.answer(sentence, `${sentence} was cancelled.`, () => client.command(command));
 }
 
 /** A tool that does not stop is stopped with its engine. A first cut is not: a new engine would begin it again. */
@@ -342,7 +410,7 @@ async function stopPreparing() {
 
 async function opening(name, open) {
   status.show({ state: "loading", step: 0, text: `Loading ${name}` });
-  const answer = await answered(`Loading ${name}`, "Opening was cancelled.", open);
+  const answer = await waits.answer(`Loading ${name}`, "Opening was cancelled.", open);
   // The engine says how it went; a refused file leaves the document before it in place.
   return answer.events.some((event) => event.type === "mesh");
 }
@@ -353,7 +421,7 @@ async function openFile(file, left) {
     await opening(file.name, async () => client.openMesh(file.name, new Uint8Array(await file.arrayBuffer())));
   } catch (reason) {
     // The browser may refuse to read a file that was moved, or a folder.
-    wait.end();
+    waits.hide();
     const event = {
       what: `${file.name} cannot be read.`,
       where: String(reason?.message ?? reason),
@@ -423,81 +491,26 @@ shareButton(() => ({
   opened: now.opened ?? {},
 }));
 
-// The tools over the views.
+byId("hide-seams").addEventListener("click", hideSeams);
 
-function toggle(id, change) {
-  const button = byId(id);
-  button.addEventListener("click", () => {
-    const on = button.getAttribute("aria-pressed") !== "true";
-    button.setAttribute("aria-pressed", String(on));
-    change(on);
-  });
-}
-toggle("wireframe", (on) => views.setWireframe(on));
-toggle("checkerboard", (on) => views.setChecker(on));
-byId("fit-surface").addEventListener("click", () => views.fit(SURFACE));
-byId("fit-pattern").addEventListener("click", () => views.fit(FLAT));
-for (const [id, pans] of [["orbit", false], ["pan", true]]) {
-  byId(id).addEventListener("click", () => {
-    byId("orbit").setAttribute("aria-pressed", String(!pans));
-    byId("pan").setAttribute("aria-pressed", String(pans));
-    views.setPanTool(pans);
-  });
-}
+methodTabs(asked.method, say);
+const sheet = sheetTabs();
 
-// Tabs: methods that are not built yet say so; the sheet of small screens shows one panel at a time.
-
-const methods = document.querySelector(".methods [role=tablist]");
-function refuse(tab) {
-  if (tab.getAttribute("aria-disabled") === "true") say(`“${tab.textContent}” is not built yet: this version has the cut flow.`);
-}
-methods.addEventListener("click", ({ target }) => target.role === "tab" && refuse(target));
-roving(methods, "[role=tab]");
-if (asked.method !== "cutflow") {
-  const tab = byId(`tab-${asked.method}`);
-  if (tab) refuse(tab);
-}
-
-const sheet = document.querySelector(".sheet");
-function showSheet(tab) {
-  root.dataset.sheet = tab.dataset.sheet;
-  for (const other of sheet.children) {
-    other.setAttribute("aria-selected", String(other === tab));
-    other.tabIndex = other === tab ? 0 : -1;
-  }
-}
-sheet.addEventListener("click", ({ target }) => target.role === "tab" && showSheet(target));
-roving(sheet, "[role=tab]", showSheet);
-showSheet(sheet.firstElementChild);
-
-// Keys: letters work wherever nothing is being typed, Space and Enter belong to the control in focus.
-
-const press = (id) => !byId(id).disabled && byId(id).click();
-const keys = {
-  o: () => byId("file").click(),
-  " ": () => press(status.state() === "running" ? "pause" : "run"),
-  ".": () => press("step"),
-  r: () => press("reset"),
-  f: () => (flatView.matches(":hover") ? views.fit(FLAT) : views.fit(SURFACE)),
-  w: () => byId("wireframe").click(),
-  c: () => byId("checkerboard").click(),
-};
-addEventListener("keydown", (event) => {
-  if (event.defaultPrevented || event.altKey) return;
-  const { target } = event;
-  const types = target.matches("select, textarea, input:not([type=range], [type=checkbox], [type=file])");
-  if (event.ctrlKey || event.metaKey) {
-    if (event.key.toLowerCase() !== "z" || types) return;
-    event.preventDefault();
-    press(event.shiftKey ? "redo" : "undo");
-    return;
-  }
-  if (event.key === "Escape" && error.dismiss()) return;
-  const action = keys[event.key.toLowerCase()];
-  const isControl = target.closest("button, a, input, summary, select, [role=menu]") !== null;
-  if (!action || types || (event.key === " " && isControl)) return;
-  event.preventDefault();
-  action();
+const press = (id) => !byId(id).disabled && !byId(id).hidden && byId(id).click();
+listenToKeys({
+  press,
+  dismiss: () => error.dismiss(),
+  held: (name) => brush.key(name),
+  actions: {
+    o: () => byId("file").click(),
+    " ": () => press(status.state() === "running" ? "pause" : "run"),
+    ".": () => press("step"),
+    r: () => press("reset"),
+    f: () => (flatView.matches(":hover") ? views.fit(FLAT) : views.fit(SURFACE)),
+    w: () => press("wireframe"),
+    c: () => press("checkerboard"),
+    b: () => learn.isOpen() || press("brush"),
+  },
 });
 
 // Begin: pictures and solver load side by side.

@@ -14,6 +14,8 @@ const WHEEL_ZOOM = 1.25;
 const KEY_DRAG = 24;
 /** The longer side of an exported picture has this many pixels at least. */
 const PICTURE_PX = 1600;
+/** A finger that moves this far paints; one that lifts before has touched, and a second one may still join it. */
+const TOUCH_PX = 4;
 /** Losing the graphics more often than this in a row means that they cannot be had. */
 const REBUILDS = 4;
 
@@ -41,6 +43,9 @@ export class Views {
   #numbersLayer = s("svg", { class: "numbers", "aria-hidden": "true" });
   #tip = h("p", { class: "tip", "aria-hidden": "true", hidden: true });
   #panTool = false;
+  /** What the pointer paints with, and where it is over the surface; null for neither. */
+  #brush = null;
+  #brushAt = null;
   #frame = () => this.#draw();
 
   /**
@@ -106,6 +111,35 @@ export class Views {
     this.#panTool = on;
   }
 
+  /**
+   * Takes a brush, null puts it away: `radius()` in the unit of the scene, `stroke(picks, begins, isAlt)` takes the
+   * places that a movement has passed. A drag beside the surface, with the right button or with Shift still turns it.
+   */
+  setBrush(brush) {
+    this.#brush = brush;
+    this.#brushAt = null;
+    this.#leave();
+    this.#hosts[SURFACE].classList.toggle("painting", brush !== null);
+    this.refreshBrush();
+  }
+
+  /** Draws the ring of the brush anew: its size has changed. */
+  refreshBrush() {
+    const at = this.#brushAt ?? this.#keyboardAt();
+    this.#viewer?.set_brush(at?.x ?? 0, at?.y ?? 0, this.#brush && at ? this.#brush.radius() : 0);
+  }
+
+  /** Where the keyboard paints: in the middle. */
+  #keyboardAt() {
+    const canvas = this.#canvas(SURFACE);
+    return canvas?.matches(":focus-visible") ? { x: canvas.clientWidth / 2, y: canvas.clientHeight / 2 } : null;
+  }
+
+  /** The eye in the frame of the scene, null where nothing is drawn. */
+  eye() {
+    return this.#viewer && this.#scene ? [...this.#viewer.eye()] : null;
+  }
+
   fit(view) {
     this.#viewer?.fit(view);
   }
@@ -124,7 +158,8 @@ export class Views {
     const { clientWidth: width, clientHeight: height } = canvas;
     const ratio = Math.max(devicePixelRatio || 1, PICTURE_PX / Math.max(width, height, 1));
     this.#leave();
-      this.#viewer.resize(view, width, height, ratio);
+    this.#viewer.set_brush(0, 0, 0);
+    this.#viewer.resize(view, width, height, ratio);
     // Setting the theme makes the viewer draw although nothing else may be new.
     this.#viewer.set_theme(this.#flags.dark);
     this.#viewer.draw();
@@ -139,6 +174,14 @@ export class Views {
     this.#resize();
     this.#viewer.draw();
     return new Promise((resolve) => copy.toBlob(resolve, "image/png"));
+  }
+
+  /** Copies the middle of the surface, a square, into a canvas; to be called while `drawn()` is. */
+  copySurface(copy) {
+    const canvas = this.#canvas(SURFACE);
+    const side = Math.min(canvas.width, canvas.height);
+    const [x, y] = [(canvas.width - side) / 2, (canvas.height - side) / 2];
+    copy.getContext("2d").drawImage(canvas, x, y, side, side, 0, 0, copy.width, copy.height);
   }
 
   #canvas(view) {
@@ -229,6 +272,7 @@ export class Views {
       this.#on.taken();
     }
     this.#pick();
+    if (this.#brush) this.refreshBrush();
     if (!this.#viewer.draw()) return;
     this.#rebuilds = 0;
     this.#placeNumbers();
@@ -269,6 +313,7 @@ export class Views {
     const at = this.#pointerAt;
     if (!at || !this.#scene) return;
     this.#pointerAt = null;
+    if (this.#brush && at.view === SURFACE) return;
     const patch = this.#viewer.pick(at.view, at.x, at.y)?.patch ?? -1;
     this.setHover(patch);
     this.#showTip(patch < 0 ? null : at, patch);
@@ -301,27 +346,61 @@ export class Views {
       const box = host.getBoundingClientRect();
       return { view, x: event.clientX - box.left, y: event.clientY - box.top };
     };
-    const turns = (event) =>
-      view === SURFACE && !this.#panTool && !event.shiftKey && (event.pointerType !== "mouse" || (event.buttons & 6) === 0);
+    const isSide = (event) => event.pointerType === "mouse" && (event.buttons & 6) !== 0;
+    const turns = (event) => {
+      if (view !== SURFACE) return false;
+      // With a brush in hand the other button and Shift stand for the drag that turns.
+      if (this.#brush) return !isSide(event) || (event.buttons & 2) !== 0;
+      return !this.#panTool && !event.shiftKey && !isSide(event);
+    };
+    const paints = (event) => view === SURFACE && this.#brush && this.#viewer && !event.shiftKey && !isSide(event);
+    /** The pointer that paints, and where a finger has touched that may be about to. */
+    let painter = null;
+    let touched = null;
+    const paint = (at, event, begins) => {
+      const picks = this.#viewer?.stroke(at.x, at.y, this.#brush.radius(), begins) ?? [];
+      if (picks.length > 0) this.#brush.stroke(picks, begins, event.altKey);
+      return picks.length > 0;
+    };
 
     host.addEventListener("pointerdown", (event) => {
       if (pointers.size === 2) return;
       host.setPointerCapture(event.pointerId);
       pointers.set(event.pointerId, place(event));
-      host.classList.add("dragging");
       this.#canvas(view)?.focus({ preventScroll: true });
+      if (view === SURFACE && this.#brush) this.#brushAt = place(event);
+      if (pointers.size === 1 && paints(event)) {
+        if (event.pointerType === "touch") touched = place(event);
+        else if (paint(place(event), event, true)) {
+          painter = event.pointerId;
+          this.#showTip(null);
+          return;
+        }
+      } else [painter, touched] = [null, null];
+      host.classList.add("dragging");
       if (event.pointerType !== "mouse") this.#pointerAt = place(event);
       else this.#showTip(null);
     });
     host.addEventListener("pointermove", (event) => {
       const at = place(event);
       const before = pointers.get(event.pointerId);
+      if (view === SURFACE && this.#brush) this.#brushAt = at;
       if (!before) {
         this.#pointerAt = at;
         return;
       }
+      if (touched && this.#brush) {
+        if (Math.hypot(at.x - touched.x, at.y - touched.y) < TOUCH_PX) return;
+        if (paint(touched, event, true)) painter = event.pointerId;
+        touched = null;
+      }
       pointers.set(event.pointerId, at);
       if (!this.#viewer) return;
+      if (painter === event.pointerId && this.#brush) {
+        for (const part of event.getCoalescedEvents?.() ?? []) paint(place(part), event, false);
+        paint(at, event, false);
+        return;
+      }
       if (pointers.size === 1) {
         if (turns(event)) this.#viewer.rotate(at.x - before.x, at.y - before.y);
         else this.#viewer.pan(view, at.x - before.x, at.y - before.y);
@@ -336,16 +415,20 @@ export class Views {
       }
     });
     const release = (event) => {
+      if (touched && this.#brush && event.type === "pointerup") paint(touched, event, true);
+      [painter, touched] = [null, null];
+      if (event.pointerType === "touch") this.#brushAt = null;
       pointers.delete(event.pointerId);
       if (pointers.size === 0) host.classList.remove("dragging");
     };
     host.addEventListener("pointerup", release);
     host.addEventListener("pointercancel", release);
     host.addEventListener("pointerleave", (event) => {
+      if (pointers.size === 0) this.#brushAt = null;
       if (event.pointerType === "mouse" && pointers.size === 0) this.#leave();
     });
     host.addEventListener("contextmenu", (event) => event.preventDefault());
-    host.addEventListener("dblclick", () => this.fit(view));
+    host.addEventListener("dblclick", () => this.#brush || this.fit(view));
     host.addEventListener(
       "wheel",
       (event) => {
@@ -365,6 +448,9 @@ export class Views {
       if (step && view === SURFACE && !event.shiftKey) this.#viewer.rotate(step[0] * KEY_DRAG, step[1] * KEY_DRAG);
       else if (step) this.#viewer.pan(view, step[0] * KEY_DRAG, step[1] * KEY_DRAG);
       else if (zoom) this.#viewer.zoom(view, zoom, host.clientWidth / 2, host.clientHeight / 2);
+      else if (event.key === "Enter" && view === SURFACE && this.#brush) {
+        paint({ x: host.clientWidth / 2, y: host.clientHeight / 2 }, event, true);
+      }
       else if (event.key === "f" || event.key === "F") this.fit(view);
       else return;
       event.preventDefault();

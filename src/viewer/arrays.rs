@@ -2,7 +2,7 @@
 
 use super::color::{self, Rgb};
 use super::occlusion::Occlusion;
-use crate::session::scene::Scene;
+use crate::session::scene::{FieldScene, Scene};
 use glam::{Vec2, Vec3};
 
 /// Absent segment or patch.
@@ -112,7 +112,8 @@ pub fn chart(scene: &Scene, vertex: u32) -> Vec3 {
     Vec2::from_slice(&scene.charts[2 * vertex as usize..]).extend(0.0)
 }
 
-fn normal(scene: &Scene, vertex: u32) -> Vec3 {
+/// Unit normal at a vertex.
+pub fn normal(scene: &Scene, vertex: u32) -> Vec3 {
     Vec3::from_slice(&scene.normals[3 * vertex as usize..])
 }
 
@@ -139,6 +140,11 @@ pub fn geometry(scene: &Scene, occlusion: &mut Occlusion) -> Vec<u8> {
     bytes
 }
 
+/// Whether a field counts regions: then its values are names, not amounts.
+pub fn is_labels(field: &FieldScene) -> bool {
+    field.id == "regions"
+}
+
 /// Colours and values of all vertices.
 pub fn paint(scene: &Scene) -> Vec<u8> {
     let colours: Vec<[[u8; 4]; 2]> = scene
@@ -152,11 +158,17 @@ pub fn paint(scene: &Scene) -> Vec<u8> {
         })
         .collect();
     let range = scene.field.as_ref().map_or([0.0, 1.0], |field| field.range);
+    let is_labels = scene.field.as_ref().is_some_and(is_labels);
     let mut bytes = Vec::with_capacity(scene.vertex_count() * PAINT_STRIDE as usize);
     for (vertex, &patch) in scene.vertex_patches.iter().enumerate() {
         bytes.extend(colours[patch as usize].as_flattened());
         let value = scene.values.get(vertex).copied().unwrap_or(f32::NAN);
-        bytes.extend(color::place_on_ramp(value, range).to_le_bytes());
+        let place = if is_labels {
+            color::place_of_label(value)
+        } else {
+            color::place_on_ramp(value, range)
+        };
+        bytes.extend(place.to_le_bytes());
     }
     bytes
 }
@@ -313,6 +325,17 @@ pub fn mark_segment_ribbons(scene: &Scene) -> Vec<u8> {
     let mut bytes = Vec::new();
     for &[x0, y0, z0, x1, y1, z1] in scene.mark_segments.as_chunks().0 {
         Ribbon::lone(Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1)).push(&mut bytes);
+    }
+    bytes
+}
+
+/// A closed line through places on the surface.
+pub fn ring_ribbons(ring: &[Vec3]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let at = |i: usize| ring[i % ring.len()];
+    for i in 0..ring.len() {
+        let [before, after] = [at(i + ring.len() - 1), at(i + 2)];
+        Ribbon { before, after, ..Ribbon::lone(at(i), at(i + 1)) }.push(&mut bytes);
     }
     bytes
 }

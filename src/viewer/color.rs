@@ -111,6 +111,21 @@ pub fn place_on_ramp(value: f32, range: [f32; 2]) -> f32 {
     if width > 0.0 { ((value - range[0]) / width).clamp(0.0, 1.0) } else { 0.5 }
 }
 
+/// The map of a field of labels: the palette in bands, so that a label has the colour of its region.
+pub fn label_ramp(size: usize) -> Vec<u8> {
+    let band = |pixel: usize| (pixel * PALETTE.len() / size) as u8;
+    (0..size).flat_map(|pixel| region(band(pixel)).bytes()).collect()
+}
+
+/// Where a label lies on its map: in the middle of its band. Labels beyond the palette begin it again.
+pub fn place_of_label(label: f32) -> f32 {
+    if label.is_nan() {
+        return NO_VALUE;
+    }
+    let bands = PALETTE.len() as f32;
+    (label.round().rem_euclid(bands) + 0.5) / bands
+}
+
 /// Marks a vertex without a value. So far below 0 that a triangle with one such corner is grey
 /// almost throughout: shaders must not be handed NaN, which they may assume away.
 pub const NO_VALUE: f32 = -1e4;
@@ -198,6 +213,16 @@ mod tests {
         assert_eq!(place_on_ramp(9.0, [-2.0, 2.0]), 1.0);
         assert_eq!(place_on_ramp(f32::NAN, [-2.0, 2.0]), NO_VALUE);
         assert_eq!(place_on_ramp(3.0, [3.0, 3.0]), 0.5);
+    }
+
+    #[test]
+    fn a_label_is_painted_in_the_colour_of_its_region() {
+        let ramp = label_ramp(256);
+        for (label, index) in [(0.0, 0), (3.2, 3), (8.0, 8), (9.0, 0), (14.0, 5)] {
+            let pixel = (place_of_label(label) * 255.0).round() as usize;
+            assert_eq!(ramp[4 * pixel..][..4], region(index).bytes(), "{label}");
+        }
+        assert_eq!(place_of_label(f32::NAN), NO_VALUE);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! [`web::Viewer`](crate::web).
 //!
 //! From the ground up: [`color`] and [`camera`] are arithmetic, [`pick`] finds the triangle under the
-//! pointer, [`occlusion`] computes soft shade, [`arrays`] turns a scene into bytes, [`stage`] holds
+//! pointer, [`brush`] where a stroke passes, [`occlusion`] computes soft shade, [`arrays`] turns a scene into bytes, [`stage`] holds
 //! all that a picture depends on, and [`painter`] puts one view of a stage on a texture. All but the
 //! last are pure and tested natively.
 //!
@@ -21,6 +21,7 @@
 )]
 
 pub mod arrays;
+pub mod brush;
 pub mod camera;
 #[cfg(target_arch = "wasm32")]
 pub mod canvas;

@@ -33,10 +33,13 @@ enum Look {
     MarkLineBehind,
     MarkPoint,
     MarkPointBehind,
+    BrushEdge,
+    Brush,
+    BrushBehind,
 }
 
 impl Look {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 12] = [
         Self::Wire,
         Self::Casing,
         Self::Cut,
@@ -46,6 +49,9 @@ impl Look {
         Self::MarkLineBehind,
         Self::MarkPoint,
         Self::MarkPointBehind,
+        Self::BrushEdge,
+        Self::Brush,
+        Self::BrushBehind,
     ];
 
     /// Colour, opacity, width in CSS pixels.
@@ -60,6 +66,10 @@ impl Look {
             Self::MarkLineBehind => (WARNING, 0.35, 4.0),
             Self::MarkPoint => (WARNING, 1.0, 10.0),
             Self::MarkPointBehind => (WARNING, 0.35, 10.0),
+            // Fields have every colour: a light line beside a dark one is seen on all of them.
+            Self::BrushEdge => (CASING, 0.8, 4.4),
+            Self::Brush => (CUT, 1.0, 2.0),
+            Self::BrushBehind => (CUT, 0.25, 2.0),
         }
     }
 
@@ -242,11 +252,14 @@ impl Painter {
                     self.draw_ribbons(&mut pass, Part::Cuts, Look::Cut);
                     self.draw_ribbons(&mut pass, Part::Outline, Look::Outline);
                     pass.set_pipeline(ribbon_behind);
+                    self.draw_ribbons(&mut pass, Part::Brush, Look::BrushBehind);
                     self.draw_ribbons(&mut pass, Part::MarkSegments, Look::MarkLineBehind);
                     self.draw_ribbons(&mut pass, Part::MarkPoints, Look::MarkPointBehind);
                     pass.set_pipeline(ribbon);
                     self.draw_ribbons(&mut pass, Part::MarkSegments, Look::MarkLine);
                     self.draw_ribbons(&mut pass, Part::MarkPoints, Look::MarkPoint);
+                    self.draw_ribbons(&mut pass, Part::Brush, Look::BrushEdge);
+                    self.draw_ribbons(&mut pass, Part::Brush, Look::Brush);
                 }
                 Pipelines::Flat { chart, flipped, ribbon } => {
                     let corners = [Part::Paint, Part::Charts];
@@ -286,6 +299,7 @@ impl Painter {
                     Part::Outline,
                     Part::MarkPoints,
                     Part::MarkSegments,
+                    Part::Brush,
                 ],
                 Part::Wires,
             ),

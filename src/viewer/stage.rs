@@ -5,10 +5,11 @@
 //! before the next frame costs next to nothing.
 
 use super::arrays::{self, NONE, RimChoice, SceneError};
+use super::brush::{self, Stroke};
 use super::camera::{Orbit, Projection, Ray, Sheet, Viewport};
 use super::color::{self, Theme};
 use super::occlusion::{self, Occlusion};
-use super::pick::Hierarchy;
+use super::pick::{Hierarchy, Hit};
 use crate::session::scene::{PatchScene, Scene};
 use glam::{Vec2, Vec3};
 
@@ -68,6 +69,8 @@ pub enum Part {
     MarkSegments,
     /// The colour map.
     Ramp,
+    /// The ring of the brush.
+    Brush,
     /// The shadow on the ground.
     Shadow,
 }
@@ -110,6 +113,9 @@ pub struct Stage {
     checker: bool,
     wireframe: bool,
     hover: u32,
+    /// Where the brush lies; empty where it does not.
+    ring: Vec<Vec3>,
+    stroke: Option<Stroke>,
     stamps: [u64; Part::COUNT],
     dirty: [bool; 2],
 }
@@ -132,6 +138,8 @@ impl Default for Stage {
             checker: false,
             wireframe: false,
             hover: NONE,
+            ring: Vec::new(),
+            stroke: None,
             stamps: [1; Part::COUNT],
             dirty: [true; 2],
         }
@@ -347,12 +355,6 @@ impl Stage {
         if viewport.is_empty() || !css.is_finite() {
             return None;
         }
-        let scene = &self.scene;
-        let triangles = arrays::triangles(scene);
-        let place: &dyn Fn(u32) -> Vec3 = match view {
-            View::Surface => &|vertex| arrays::position(scene, vertex),
-            View::Flat => &|vertex| arrays::chart(scene, vertex),
-        };
         let ray = match view {
             View::Surface => self.orbit.ray(css, viewport),
             View::Flat => {
@@ -360,17 +362,82 @@ impl Stage {
                 Ray { origin, direction: Vec3::NEG_Z }
             }
         };
-        let hierarchy =
-            self.hierarchies[view as usize].get_or_insert_with(|| Hierarchy::new(triangles, place));
-        let hit = hierarchy.cast(ray, triangles, place)?;
-        let corners = triangles[hit.triangle as usize];
-        let point = |(vertex, weight)| arrays::position(scene, vertex) * weight;
+        let hit = self.cast(view, ray)?;
+        let scene = &self.scene;
+        let corners = arrays::triangles(scene)[hit.triangle as usize];
         Some(Pick {
             patch: scene.vertex_patches[corners[0] as usize],
             triangle: hit.triangle,
             face: scene.triangle_faces[hit.triangle as usize],
-            place: corners.into_iter().zip(hit.weights).map(point).sum(),
+            place: self.on_surface(hit),
         })
+    }
+
+    /// What a ray meets in a view.
+    fn cast(&mut self, view: View, ray: Ray) -> Option<Hit> {
+        let scene = &self.scene;
+        let triangles = arrays::triangles(scene);
+        let place: &dyn Fn(u32) -> Vec3 = match view {
+            View::Surface => &|vertex| arrays::position(scene, vertex),
+            View::Flat => &|vertex| arrays::chart(scene, vertex),
+        };
+        let hierarchy =
+            self.hierarchies[view as usize].get_or_insert_with(|| Hierarchy::new(triangles, place));
+        hierarchy.cast(ray, triangles, place)
+    }
+
+    /// The place on the surface of a hit in either view.
+    fn on_surface(&self, hit: Hit) -> Vec3 {
+        let corners = arrays::triangles(&self.scene)[hit.triangle as usize];
+        let point = |(vertex, weight)| arrays::position(&self.scene, vertex) * weight;
+        corners.into_iter().zip(hit.weights).map(point).sum()
+    }
+
+    /// Where the eye stands, in the frame of the scene.
+    pub fn eye(&self) -> Vec3 {
+        self.projection(View::Surface).eye
+    }
+
+    /// Lays the brush on what is under a place of the screen; a radius that is not above 0 takes it away.
+    ///
+    /// **Gives** whether it lies anywhere.
+    pub fn set_brush(&mut self, css: Vec2, radius: f32) -> bool {
+        let pick = if radius > 0.0 { self.pick(View::Surface, css) } else { None };
+        let ring = match pick {
+            Some(pick) => {
+                let corners = arrays::triangles(&self.scene)[pick.triangle as usize];
+                let normal = corners.map(|v| arrays::normal(&self.scene, v)).into_iter().sum();
+                brush::ring(pick.place, normal, radius, |ray| {
+                    let hit = self.cast(View::Surface, ray)?;
+                    Some((hit.distance, self.on_surface(hit)))
+                })
+            }
+            None => Vec::new(),
+        };
+        if ring != self.ring {
+            self.ring = ring;
+            self.stamp(true, &[Part::Brush]);
+            self.dirty[View::Surface as usize] = true;
+        }
+        !self.ring.is_empty()
+    }
+
+    /// Draws the brush to a place of the screen, or puts it down there where a stroke `begins`.
+    ///
+    /// **Gives** the dabs that this adds, in order; see [`brush`].
+    pub fn stroke(&mut self, css: Vec2, radius: f32, begins: bool) -> Vec<Pick> {
+        if !css.is_finite() {
+            return Vec::new();
+        }
+        let mut stroke = self.stroke.take().filter(|_| !begins).unwrap_or(Stroke::new(css));
+        let place = self.pick(View::Surface, css).map_or(Vec3::ZERO, |pick| pick.place);
+        let scale = self.viewport(View::Surface).scale;
+        let pixels = brush::pixels(radius, place, &self.projection(View::Surface), scale);
+        let dabs = stroke.extend(css, radius, pixels, |css| {
+            self.pick(View::Surface, css).map(|pick| (pick.place, pick))
+        });
+        self.stroke = Some(stroke);
+        dabs
     }
 
     /// For each patch the place of its number on the flattened view and the diameter of the room
@@ -474,10 +541,11 @@ impl Stage {
             Part::ChartWires => arrays::wire_ribbons(scene, true),
             Part::MarkPoints => arrays::mark_point_ribbons(scene),
             Part::MarkSegments => arrays::mark_segment_ribbons(scene),
-            Part::Ramp => {
-                let is_signed = scene.field.as_ref().is_some_and(|field| field.signed);
-                color::ramp(is_signed, RAMP_PIXELS)
-            }
+            Part::Brush => arrays::ring_ribbons(&self.ring),
+            Part::Ramp => match &scene.field {
+                Some(field) if arrays::is_labels(field) => color::label_ramp(RAMP_PIXELS),
+                field => color::ramp(field.as_ref().is_some_and(|f| f.signed), RAMP_PIXELS),
+            },
             Part::Shadow => match &self.occlusion {
                 Some(occlusion) => occlusion.ground_shadow(),
                 None => vec![0; occlusion::SHADOW_PIXELS.pow(2)],
@@ -586,6 +654,41 @@ mod tests {
         assert_eq!(stage.pick(View::Surface, Vec2::new(3.0, 3.0)), None);
         // It has no charts.
         assert_eq!(stage.pick(View::Flat, Vec2::new(250.0, 150.0)), None);
+    }
+
+    #[test]
+    fn the_brush_lies_where_it_points_and_is_drawn_anew_only_when_it_moves() {
+        let mut stage = stage(unit_ball(3, 0));
+        let middle = Vec2::new(250.0, 150.0);
+        assert!(stage.set_brush(middle, 0.2));
+        assert_eq!(stage.bytes(Part::Brush).len(), stage.ring.len() * 60);
+        let towards_eye = stage.eye().normalize();
+        for point in &stage.ring {
+            // A facet of the ball lies up to a fiftieth inside it.
+            assert!((point.length() - 1.0).abs() < 0.03);
+            assert!((point.reject_from(towards_eye).length() - 0.2).abs() < 0.02);
+        }
+        let stamp = stage.stamp_of(Part::Brush);
+        stage.take_dirty(View::Surface);
+        stage.set_brush(middle, 0.2);
+        assert_eq!((stage.stamp_of(Part::Brush), stage.take_dirty(View::Surface)), (stamp, false));
+        assert!(!stage.set_brush(Vec2::new(3.0, 3.0), 0.2));
+        assert!(stage.take_dirty(View::Surface) && stage.bytes(Part::Brush).is_empty());
+    }
+
+    #[test]
+    fn a_stroke_across_the_ball_stays_on_it() {
+        let mut stage = stage(unit_ball(3, 0));
+        let mut dabs = stage.stroke(Vec2::new(250.0, 150.0), 0.1, true);
+        assert_eq!(dabs.len(), 1);
+        dabs.extend(stage.stroke(Vec2::new(300.0, 150.0), 0.1, false));
+        assert!(dabs.len() > 3);
+        for pair in dabs.windows(2) {
+            assert!(pair[0].place.distance(pair[1].place) < 0.1, "a gap");
+        }
+        assert!(dabs.iter().all(|dab| (dab.place.length() - 1.0).abs() < 0.03));
+        assert_eq!(stage.stroke(Vec2::new(3.0, 3.0), 0.1, true), []);
+        assert_eq!(stage.stroke(Vec2::NAN, 0.1, false), []);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 use crate::session::scene::{FieldScene, PatchScene, Scene};
 use crate::viewer::camera::Viewport;
 use crate::viewer::canvas::{Backend, Canvas};
-use crate::viewer::stage::{Stage, View};
+use crate::viewer::stage::{Pick, Stage, View};
 use glam::Vec2;
 use js_sys::{Array, Float32Array, Object, Reflect, Uint32Array};
 use wasm_bindgen::prelude::*;
@@ -109,22 +109,24 @@ impl Viewer {
     /// `{patch, triangle, face, x, y, z}` under a place, or undefined. The place is on the
     /// surface in both views.
     pub fn pick(&mut self, view: u32, x: f32, y: f32) -> JsValue {
-        let Some(pick) = self.stage.pick(at(view), Vec2::new(x, y)) else {
-            return JsValue::UNDEFINED;
-        };
-        let object = Object::new();
-        for (name, value) in [
-            ("patch", f64::from(pick.patch)),
-            ("triangle", f64::from(pick.triangle)),
-            ("face", f64::from(pick.face)),
-            ("x", f64::from(pick.place.x)),
-            ("y", f64::from(pick.place.y)),
-            ("z", f64::from(pick.place.z)),
-        ] {
-            // Cannot fail on an object made just now.
-            let _ = Reflect::set(&object, &name.into(), &value.into());
-        }
-        object.into()
+        self.stage.pick(at(view), Vec2::new(x, y)).map_or(JsValue::UNDEFINED, pick_object)
+    }
+
+    /// Lays the ring of the brush around what is under a place of the surface view; true if there is something.
+    /// A radius of 0 takes it away.
+    pub fn set_brush(&mut self, x: f32, y: f32, radius: f32) -> bool {
+        self.stage.set_brush(Vec2::new(x, y), radius)
+    }
+
+    /// Draws the brush on to a place of the surface view. Gives the dabs that this adds, in order, as
+    /// objects like those of `pick`.
+    pub fn stroke(&mut self, x: f32, y: f32, radius: f32, begins: bool) -> Array {
+        self.stage.stroke(Vec2::new(x, y), radius, begins).into_iter().map(pick_object).collect()
+    }
+
+    /// `[x, y, z]` of the eye in the frame of the scene, whose surface fits the unit ball.
+    pub fn eye(&self) -> Vec<f32> {
+        self.stage.eye().to_array().to_vec()
     }
 
     /// `[x, y, size]` for each patch: where its number stands on the flattened view and the
@@ -142,6 +144,22 @@ impl Viewer {
     pub fn is_lost(&self) -> bool {
         self.canvases.iter().any(Canvas::is_lost)
     }
+}
+
+fn pick_object(pick: Pick) -> JsValue {
+    let object = Object::new();
+    for (name, value) in [
+        ("patch", f64::from(pick.patch)),
+        ("triangle", f64::from(pick.triangle)),
+        ("face", f64::from(pick.face)),
+        ("x", f64::from(pick.place.x)),
+        ("y", f64::from(pick.place.y)),
+        ("z", f64::from(pick.place.z)),
+    ] {
+        // Cannot fail on an object made just now.
+        let _ = Reflect::set(&object, &name.into(), &value.into());
+    }
+    object.into()
 }
 
 fn at(view: u32) -> View {

@@ -1,6 +1,6 @@
 // What went wrong, where, and what to do about it; and the short notices that pass by themselves.
 
-import { byId, h, icon, write } from "../dom.js";
+import { byId, h, icon } from "../dom.js";
 
 /** Long enough to read a sentence twice. */
 const TOAST_MS = 6000;
@@ -61,55 +61,4 @@ export function toast() {
     host.hidden = false;
     timer = setTimeout(() => (host.hidden = true), TOAST_MS);
   };
-}
-
-/** A strip with a way out, shown when something takes longer than a moment. */
-export function waitStrip() {
-  const PATIENCE_MS = 200;
-  const host = byId("wait");
-  const [bar, text, button] = host.children;
-  let timer = 0;
-  let turn = 0;
-  let cancel = () => {};
-  button.addEventListener("click", () => {
-    // One press is enough: what is asked to stop may need a moment for it.
-    button.disabled = true;
-    cancel();
-  });
-
-  /** What is done now and the part of it that is done, null where that is not known. */
-  function tell(sentence, fraction) {
-    write(text, sentence);
-    bar.setAttribute("aria-label", sentence);
-    if (Number.isFinite(fraction)) bar.value = fraction;
-    else bar.removeAttribute("value");
-  }
-
-  const strip = {
-    /**
-     * Says what is waited for; `stop()` is called when a person does not want to wait. Gives this wait, whose methods
-     * do nothing once it is over or another has taken its place.
-     */
-    begin(sentence, stop) {
-      strip.end();
-      const mine = turn;
-      const isOn = () => mine === turn;
-      cancel = stop;
-      tell(sentence, null);
-      timer = setTimeout(() => (host.hidden = false), PATIENCE_MS);
-      return {
-        isOn,
-        progress: (sentence, fraction) => isOn() && tell(sentence, fraction),
-        end: () => isOn() && strip.end(),
-      };
-    },
-    /** Ends whatever is waited for. */
-    end() {
-      turn += 1;
-      clearTimeout(timer);
-      host.hidden = true;
-      button.disabled = false;
-    },
-  };
-  return strip;
 }

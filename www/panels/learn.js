@@ -1,12 +1,18 @@
-// Learn: one step of the running method, stage by stage, with its formulas beside its field on the person's own
-// surface. The texts are in index.html; the numbers come from the engine's events.
+// Learn: one step of the flow in stages, each with its formula beside its field on the user's own surface. The texts
+// are in index.html; the numbers come from the engine's events.
 
-import { byId, h, icon, write } from "../dom.js";
+import { byId, h, icon, roving, write } from "../dom.js";
 import { among, fixed, measure, short } from "../format.js";
 
+/** Longer side of a stage's little picture, in CSS pixels. */
+const THUMBNAIL_PX = 48;
+/** While the surface is turned its little picture follows at this pace. */
+const COPY_MS = 250;
+
 /**
- * @param on `field(id)` shows a field, `step()` takes one step, `layout()` after the page was rearranged
- * @param facts gives `{ name, step, points, rows, fields, current }` as known now
+ * @param on `field(id)` shows a field, `step()` takes one step, `wires(isOn)` shows the triangles, `layout()` before
+ * the page is rearranged, `picture(canvas)` copies the surface as it is drawn now
+ * @param facts gives `{ name, step, points, rows, fields, current, field, scene, stages }` as known now
  */
 export function learnPanel(on, facts) {
   const root = document.documentElement;
@@ -16,12 +22,16 @@ export function learnPanel(on, facts) {
   const lessons = [...byId("lessons").content.querySelectorAll("article")];
   let at = 0;
   let before = null;
+  /** The scene that was copied last, and when. */
+  let copied = { scene: null, at: 0 };
 
+  const thumbnails = lessons.map(() => h("canvas", { width: 2 * THUMBNAIL_PX, height: 2 * THUMBNAIL_PX, "aria-hidden": "true" }));
   const buttons = lessons.map(({ dataset: { title, brief } }, i) => {
-    const button = h("button", { onclick: () => go(i) }, h("b", {}, `${i + 1}\u2002${title}`), h("span", {}, brief));
+    const button = h("button", { onclick: () => go(i) }, thumbnails[i], h("b", {}, `${i + 1}\u2002${title}`), h("span", {}, brief));
     list.append(h("li", {}, button));
     return button;
   });
+  roving(list, "button");
   byId("learn").addEventListener("click", () => (panel.hidden ? open() : close()));
   byId("learn-close").addEventListener("click", close);
   byId("learn-once").addEventListener("click", on.step);
@@ -30,13 +40,14 @@ export function learnPanel(on, facts) {
   });
 
   const numbers = h("table", {}, h("caption", {}, "On your surface"), h("tbody"));
+  const missing = h("p", { class: "fine" }, "This surface shows its pieces here: the field of this stage is not at hand.");
 
   function open() {
+    on.layout();
     before = facts().current;
     panel.hidden = false;
     root.dataset.learn = "";
-    on.layout();
-    go(0);
+    go(at);
     byId("learn-title").focus();
   }
 
@@ -44,65 +55,78 @@ export function learnPanel(on, facts) {
     if (panel.hidden) return;
     panel.hidden = true;
     delete root.dataset.learn;
-    on.layout();
+    on.wires(false);
     if (before !== null) on.field(before);
     byId("learn").focus();
   }
 
-  /** The first overlay of the stage that the engine offers. */
+  /** The first overlay of the stage that the engine offers, undefined where it offers none. */
   function fieldOf(i) {
     const offered = facts().fields.map((field) => field.id);
-    return lessons[i].dataset.fields.split(" ").find((id) => offered.includes(id)) ?? "pieces";
+    return lessons[i].dataset.fields.split(" ").find((id) => offered.includes(id));
   }
 
   function go(i) {
     at = i;
-    buttons.forEach((button, k) => button.parentElement.toggleAttribute("aria-current", k === i));
-    buttons[i].parentElement.setAttribute("aria-current", "step");
+    buttons.forEach((button, k) => {
+      if (k === i) button.parentElement.setAttribute("aria-current", "step");
+      else button.parentElement.removeAttribute("aria-current");
+    });
+    buttons[i].parentElement.scrollIntoView({ block: "nearest", inline: "center" });
     const content = document.importNode(lessons[i], true);
     const other = (k, name) =>
       lessons[k]
         ? h(
             "button",
-            { class: k > i ? "btn primary" : "btn", onclick: () => go(k) },
+            { class: k > i ? "btn primary" : "btn", onclick: () => turnTo(k) },
             k < i ? icon(name) : null,
             lessons[k].dataset.title,
             k > i ? icon(name) : null,
           )
         : null;
+    missing.hidden = fieldOf(i) !== undefined;
     lesson.replaceChildren(
       h("p", { class: "muted" }, `Stage ${i + 1} of ${lessons.length}`),
       ...content.children,
       numbers,
+      missing,
       h("p", { class: "nav" }, other(i - 1, "prev"), h("span", { class: "grow" }), other(i + 1, "next")),
     );
     lesson.scrollTop = 0;
-    on.field(fieldOf(i));
+    on.wires("wires" in lessons[i].dataset);
+    on.field(fieldOf(i) ?? "pieces");
     update();
   }
 
-  function rowsOf({ points, rows, field }) {
-    const last = points.at(-1);
-    const previous = points.at(-2);
+  /** The button that was pressed is gone: the focus goes on at its heir. */
+  function turnTo(i) {
+    const isNext = i > at;
+    go(i);
+    const nav = [...lesson.querySelectorAll(".nav button")];
+    (isNext ? nav.at(-1) : nav[0])?.focus({ preventScroll: true });
+  }
+
+  /** What the engine tells of the stage, else what its field and the energy tell. */
+  function rowsOf({ points, rows, field, stages }) {
+    const { dataset } = lessons[at];
+    const told = stages.find(({ id }) => id === dataset.id)?.numbers ?? [];
+    if (told.length > 0) return told.map(({ label, value, unit }) => [label, measure(value, unit)]);
     const list = [];
-    if (field && at !== 2) {
+    if (field && field.id === fieldOf(at)) {
       const size = Math.max(...field.extremes.map(Math.abs));
       const [least, most, mean] = [...field.extremes, field.mean].map((value) => among(value, size));
       list.push([`${field.label}, least to most`, `${least} to ${most} ${field.unit}`]);
       list.push([`${field.label}, mean`, `${mean} ${field.unit}`]);
     }
-    if (at >= 2 && last) {
-      const change = (now, then) => (then === undefined ? short(now) : `${short(then)} → ${short(now)}`);
+    if (!("check" in dataset)) return [...list, ...rows.filter(({ id }) => id === "pieces").map(({ label, now, unit }) => [label, measure(now, unit)])];
+    const last = points.at(-1);
+    const previous = points.at(-2);
+    const change = (now, then) => (then === undefined ? short(now) : `${short(then)} → ${short(now)}`);
+    if (last) {
       list.push(["Energy J", change(last.total, previous?.total)]);
-      if (at === 2) last.terms.forEach((term, i) => list.push([term.name, change(term.value, previous?.terms[i]?.value)]));
-      if (at === 4 && previous) list.push(["Change in this step", short(last.total - previous.total)]);
+      last.terms.forEach((term, i) => list.push([term.name, change(term.value, previous?.terms[i]?.value)]));
     }
-    if (at === 4 && points.length > 1) {
-      list.push(["Change since the start", `${fixed(100 * (last.total / points[0].total - 1), 1)} %`]);
-    }
-    for (const row of rows) {
-      if (at === 2 || at === 4 || row.id === "pieces") list.push([row.label, measure(row.now, row.unit)]);
-    }
+    if (points.length > 1) list.push(["Change since the start", `${fixed(100 * (last.total / points[0].total - 1), 1)} %`]);
     return list;
   }
 
@@ -121,5 +145,20 @@ export function learnPanel(on, facts) {
     numbers.hidden = rows.length === 0;
   }
 
-  return { update, close, isOpen: () => !panel.hidden };
+  return {
+    update,
+    /** After the surface was drawn: the stage keeps a little picture of it. */
+    drawn() {
+      if (panel.hidden) return;
+      const { field, scene } = facts();
+      const now = performance.now();
+      const isRecent = scene === copied.scene && now - copied.at < COPY_MS;
+      if (isRecent || (field?.id ?? "pieces") !== (fieldOf(at) ?? "pieces")) return;
+      copied = { scene, at: now };
+      on.picture(thumbnails[at]);
+      thumbnails[at].dataset.drawn = "";
+    },
+    close,
+    isOpen: () => !panel.hidden,
+  };
 }

@@ -10,7 +10,11 @@ function end(value, signed) {
   return signed && value > 0 ? `+${text}` : text;
 }
 
+const line = (strong, text) => [h("div", {}, h("b", {}, strong), " ", text)];
+
 function fieldLegend(field) {
+  // Labels are names: they have no range and no mean.
+  if (field.id === "regions") return line(field.label, "in the colours of the brush");
   const [low, high] = field.range;
   const bins = field.histogram;
   const bars = bins.map((share, i) => {
@@ -38,8 +42,6 @@ function fieldLegend(field) {
     ),
   ];
 }
-
-const line = (strong, text) => [h("div", {}, h("b", {}, strong), " ", text)];
 
 // A mesh that is not cut yet has no pieces to tell of.
 const isUncut = (patches) => patches.every((patch) => patch.area_fraction === 0);
@@ -73,15 +75,23 @@ function flatSummary({ patches }, pattern) {
 export function legends(surface, flat) {
   let shown = "";
   return {
-    /** Takes a scene, the size of the pattern where it is known, and what is marked in place of the pieces, if anything. */
-    show(scene, pattern, marked) {
-      const print = JSON.stringify([scene.field, scene.patches.map((p) => [p.area_fraction, p.has_chart, p.flipped]), pattern, marked]);
+    /**
+     * Takes a scene, the size of the pattern where it is known, what is marked in place of the pieces, if anything,
+     * and the two parts of what a preview says of the surface, if there is one.
+     */
+    show(scene, pattern, marked, preview) {
+      const patches = scene.patches.map((p) => [p.area_fraction, p.has_chart, p.flipped]);
+      const print = JSON.stringify([scene.field, patches, pattern, marked, preview]);
       if (print === shown) return;
       shown = print;
       if (marked) {
         const text = h("span", { title: marked }, marked);
         surface.replaceChildren(h("div", { class: "marked" }, h("i", { class: "chip mark" }), text));
         flat.replaceChildren();
+      } else if (preview) {
+        const [strong, text] = preview;
+        surface.replaceChildren(h("div", { class: "preview" }, h("b", {}, strong), h("span", {}, text)));
+        flat.replaceChildren(...(scene.field ? fieldLegend(scene.field) : flatSummary(scene, pattern)));
       } else if (scene.field) {
         surface.replaceChildren(...fieldLegend(scene.field));
         flat.replaceChildren(...fieldLegend(scene.field));

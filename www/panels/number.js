@@ -45,7 +45,7 @@ function scale({ min, max, step, logarithmic, integer }) {
 }
 
 /**
- * `{ row, show(value), value() }`: a number with its slider. `spec` names it (`label`, `symbol`, `unit`, `help`, `default`),
+ * `{ row, text(value), show(value), value() }`: a number with its slider. `spec` names it (`label`, `symbol`, `unit`, `help`, `default`),
  * `range` bounds it (`min`, `max`, `step`, `logarithmic`, `integer`); `change(value)` is called while it moves.
  */
 export function numberRow(spec, range, change) {
@@ -120,6 +120,7 @@ export function numberRow(spec, range, change) {
   );
   return {
     row,
+    text,
     // A control in use keeps what its user is doing; the engine's answer may be an older value.
     show: (value) => {
       if (slider.matches(":active") || (document.activeElement === input && input.value !== text(shown))) return;

@@ -2,16 +2,22 @@
 
 import { h, icon, roving, write } from "../dom.js";
 import { plural } from "../format.js";
+import { recall, remember } from "../storage.js";
 import { numberRow } from "./number.js";
 
 /** Up to this many letters in all, a choice is a row of buttons; beyond, a list. */
 const SEGMENT_LETTERS = 22;
+/** Groups that are open until somebody folds them: the first ones are what a cut is begun and judged by. */
+const OPEN = 3;
+/** The group that the Mesh section shows in its own way. */
+const SIZE = "Size";
+const ADVANCED = "Advanced";
 
-function segmentRow(spec, options, change, isChips) {
+function segmentRow(spec, options, change) {
   const buttons = options.map((option) =>
     h("button", { type: "button", role: "radio", "aria-checked": "false", "data-id": option.id }, option.label),
   );
-  const group = h("span", { class: isChips ? "chips" : "seg", role: "radiogroup", "aria-label": spec.label }, ...buttons);
+  const group = h("span", { class: "seg", role: "radiogroup", "aria-label": spec.label, "aria-description": spec.help }, ...buttons);
   const choose = (button) => {
     show(button.dataset.id);
     change(button.dataset.id);
@@ -28,20 +34,24 @@ function segmentRow(spec, options, change, isChips) {
       button.tabIndex = isOn ? 0 : -1;
     }
   }
-  const row = isChips ? group : h("div", { class: "row", title: spec.help }, spec.label, group);
+  const row = h("div", { class: "row", title: spec.help }, h("span", { class: "rn" }, spec.label), group);
   return { row, show };
 }
 
 function choiceRow(spec, options, change) {
-  if (spec.id === "preset") return segmentRow(spec, options, change, true);
   const letters = options.reduce((sum, { label }) => sum + label.length, spec.label.length / 2);
-  if (options.length <= 3 && letters <= SEGMENT_LETTERS) return segmentRow(spec, options, change, false);
+  if (options.length <= 3 && letters <= SEGMENT_LETTERS) return segmentRow(spec, options, change);
   const select = h(
     "select",
     { "aria-label": spec.label, "aria-description": spec.help, onchange: () => change(select.value) },
     ...options.map((option) => h("option", { value: option.id }, option.label)),
   );
-  const row = h("label", { class: "row", title: spec.help }, spec.label, h("span", { class: "pick" }, select, icon("down")));
+  const row = h(
+    "label",
+    { class: "row", title: spec.help },
+    h("span", { class: "rn" }, spec.label),
+    h("span", { class: "pick" }, select, icon("down")),
+  );
   return { row, show: (value) => (select.value = value) };
 }
 
@@ -53,55 +63,111 @@ function switchRow(spec, change) {
     "aria-description": spec.help,
     onchange: () => change(box.checked),
   });
-  const row = h("label", { class: "row", title: spec.help }, h("span", {}, spec.label), box);
+  const row = h("label", { class: "row", title: spec.help }, h("span", { class: "rn" }, spec.label), box);
   return { row, show: (value) => (box.checked = value === true) };
 }
 
 function rowFor(spec, change) {
   const { kind } = spec;
   if (kind.number) return numberRow(spec, kind.number, change);
-  if (kind.choice) return choiceRow(spec, kind.choice.options, change);
-  return switchRow(spec, change);
+  if (kind.choice) {
+    const { options } = kind.choice;
+    return { text: (value) => options.find(({ id }) => id === value)?.label ?? value, ...choiceRow(spec, options, change) };
+  }
+  return { text: (value) => (value ? "on" : "off"), ...switchRow(spec, change) };
 }
 
-/** The group that the Mesh section shows in its own way. */
-const SIZE = "Size";
+/** A dot beside what differs from its default; a click on it brings the default back. */
+function changedDot(spec, text, change) {
+  const title = `Changed. Back to ${text(spec.default)}${spec.unit ? ` ${spec.unit}` : ""}`;
+  return h("button", {
+    type: "button",
+    class: "changed",
+    "aria-label": `Reset ${spec.label} to ${text(spec.default)}`,
+    title,
+    hidden: true,
+    onclick: (event) => {
+      // It stands inside the label of a switch or a list.
+      event.preventDefault();
+      change(spec.default);
+    },
+  });
+}
 
-/** The panel. `change(id, value)` is called while a slider moves. */
-export function parametersPanel(host, change) {
+function grouped(entries, nameOf) {
+  const groups = new Map();
+  for (const entry of entries) {
+    const name = nameOf(entry.spec);
+    groups.set(name, [...(groups.get(name) ?? []), entry]);
+  }
+  return groups;
+}
+
+/** Numbers come back from the engine as they were sent, or rounded in their last digit. */
+function isDefault({ default: usual }, value) {
+  return typeof usual === "number" ? Math.abs(value - usual) <= 1e-9 * Math.abs(usual) : value === usual;
+}
+
+/**
+ * The panel. `change(id, value)` is called while a slider moves; `extras` are nodes that belong to a group, by its name,
+ * whether or not the engine has parameters for that group.
+ */
+export function parametersPanel(host, change, extras = {}) {
   let specs = [];
   let fingerprint = "";
   let rows = new Map();
+  let sections = [];
+
+  function section(name, isOpen, ...content) {
+    const key = `group.${name}`;
+    const counter = h("span");
+    const summary = h("summary", {}, name, icon("down"), counter);
+    const kept = recall(key);
+    const node = h("details", { class: "group", open: kept === null ? isOpen : kept === "open" }, summary, ...content);
+    // Only what a person does is remembered.
+    summary.addEventListener("click", () => remember(key, node.open ? "closed" : "open"));
+    return { name, node, counter };
+  }
 
   function build() {
     const shown = specs.filter(({ group }) => group !== SIZE);
-    rows = new Map(shown.map((spec) => [spec.id, { spec, ...rowFor(spec, (value) => change(spec.id, value)) }]));
-    const groups = new Map();
-    for (const entry of rows.values()) {
-      const name = entry.spec.advanced ? null : entry.spec.group;
-      groups.set(name, [...(groups.get(name) ?? []), entry]);
+    rows = new Map();
+    for (const spec of shown) {
+      const set = (value) => change(spec.id, value);
+      const entry = { spec, ...rowFor(spec, set), isChanged: false };
+      entry.dot = changedDot(spec, entry.text, set);
+      entry.row.prepend(entry.dot);
+      rows.set(spec.id, entry);
     }
-    const sets = [];
-    for (const [name, entries] of groups) {
-      if (name === null) continue;
-      // A group that opens with a choice of its own name needs no heading above it.
-      const leads = entries[0].spec.label === name && entries[0].spec.kind.choice;
-      if (leads) entries[0].row.classList.add("first");
-      sets.push(h("fieldset", { "aria-label": name }, leads ? null : h("legend", {}, name), ...entries.map((e) => e.row)));
-    }
-    const advanced = groups.get(null);
-    if (advanced) {
-      const wasOpen = host.querySelector("details")?.open ?? false;
-      sets.push(
-        h(
-          "details",
-          { open: wasOpen },
-          h("summary", {}, "Advanced", icon("down"), h("span", {}, plural(advanced.length, "setting"))),
-          h("fieldset", { "aria-label": "Advanced" }, ...advanced.map((e) => e.row)),
-        ),
+    const groups = grouped(rows.values(), (spec) => (spec.advanced ? ADVANCED : spec.group));
+    for (const name of Object.keys(extras)) if (!groups.has(name)) groups.set(name, []);
+    const advanced = groups.get(ADVANCED) ?? [];
+    groups.delete(ADVANCED);
+    sections = [...groups].map(([name, entries], i) => {
+      const set = h("fieldset", { "aria-label": name }, ...entries.map(({ row }) => row), extras[name] ?? null);
+      return { ...section(name, i < OPEN, set), entries, extra: extras[name] };
+    });
+    if (advanced.length > 0) {
+      const parts = [...grouped(advanced, (spec) => spec.group)].map(([name, entries]) =>
+        h("fieldset", { "aria-label": name }, h("legend", { class: "sub" }, name), ...entries.map(({ row }) => row)),
       );
+      sections.push({ ...section(ADVANCED, false, ...parts), entries: advanced });
     }
-    host.replaceChildren(...sets);
+    host.replaceChildren(...sections.map(({ node }) => node));
+  }
+
+  /** Hides what holds nothing, and says of each section what it holds. */
+  function summarise() {
+    for (const { name, node, counter, entries, extra } of sections) {
+      const seen = entries.filter(({ row }) => !row.hidden);
+      node.hidden = seen.length === 0 && (!extra || extra.hidden);
+      for (const set of node.querySelectorAll("fieldset:has(> .sub)")) {
+        set.hidden = [...set.querySelectorAll(".param, .row")].every((row) => row.hidden);
+      }
+      const changed = seen.filter(({ isChanged }) => isChanged).length;
+      const text = changed > 0 ? `${changed} changed` : name === ADVANCED ? plural(seen.length, "setting") : "";
+      write(counter, text);
+    }
   }
 
   return {
@@ -113,18 +179,21 @@ export function parametersPanel(host, change) {
         specs = event.specs;
         build();
       }
-      for (const { spec, row, show } of rows.values()) {
-        if (spec.id in event.values) show(event.values[spec.id]);
+      for (const entry of rows.values()) {
+        const { spec, row, dot, show } = entry;
+        const value = event.values[spec.id];
+        if (spec.id in event.values) show(value);
         const rule = spec.visible_if;
-        row.hidden = Boolean(rule) && !rule.one_of.includes(event.values[rule.id]);
+        row.hidden = Boolean(rule) && !rule.one_of.includes(String(event.values[rule.id]));
+        entry.isChanged = spec.id in event.values && !isDefault(spec, value);
+        // Whoever stands on the dot has pressed it: the row goes on.
+        if (!entry.isChanged && document.activeElement === dot) row.querySelector("input, select, [tabindex='0']")?.focus();
+        dot.hidden = !entry.isChanged;
       }
-      for (const set of host.querySelectorAll("fieldset, details")) {
-        set.hidden = [...set.querySelectorAll(".param, .row, .chips")].every((row) => row.hidden);
-      }
-      const seen = [...host.querySelectorAll("details .param, details .row")].filter((row) => !row.hidden).length;
-      const counter = host.querySelector("summary span");
-      if (counter) write(counter, plural(seen, "setting"));
+      summarise();
     },
+    /** After an extra was shown or hidden. */
+    summarise,
     /** The specs shown last. */
     specs: () => specs,
   };

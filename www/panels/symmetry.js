@@ -1,0 +1,64 @@
+// The symmetries of the surface: found on request, then chosen one by one.
+
+import { h, write } from "../dom.js";
+import { percent } from "../format.js";
+
+/** `on.find()` searches, `on.choose(ids)` says which of them the cut is to have; both resolve when answered. */
+export function symmetryPanel(on) {
+  const line = h("p", { class: "fine", "aria-live": "polite" });
+  const button = h("button", { class: "act", onclick: find }, "Find symmetries");
+  const list = h("ul", { class: "symmetries", "aria-label": "Symmetries", hidden: true });
+  const node = h("div", { class: "symmetry", hidden: true }, line, list, button);
+  let boxes = new Map();
+  let fingerprint = "";
+  let isSearching = false;
+
+  async function find() {
+    isSearching = true;
+    button.disabled = true;
+    write(button, "Looking …");
+    await on.find();
+    rest();
+  }
+
+  function rest() {
+    isSearching = false;
+    button.disabled = false;
+    write(button, boxes.size > 0 ? "Search again" : "Find symmetries");
+    // The button was off while it worked and has lost the focus.
+    if (document.activeElement === document.body) button.focus({ preventScroll: true });
+  }
+
+  function row({ id, label, deviation }) {
+    const box = h("input", { type: "checkbox", onchange: () => on.choose([...boxes].filter(([, other]) => other.checked).map(([key]) => key)) });
+    boxes.set(id, box);
+    const title = `The surface differs from its image by up to ${percent(deviation)} of its size.`;
+    return h("li", {}, h("label", { title }, box, h("span", {}, label), h("span", { class: "muted" }, `off by ${percent(deviation)}`)));
+  }
+
+  function sentence({ is_searched: isSearched, options }) {
+    if (!isSearched) return "Mirror planes and axes of the surface, which the cut can be made to have too.";
+    if (options.length === 0) return "None found: no mirror plane or axis takes this surface to itself.";
+    return "The cut is made to have those that are ticked.";
+  }
+
+  return {
+    node,
+    /** Takes a `symmetries` event. */
+    show(event) {
+      const print = JSON.stringify(event.options.map(({ id, label, deviation }) => [id, label, deviation]));
+      if (print !== fingerprint) {
+        fingerprint = print;
+        boxes = new Map();
+        list.replaceChildren(...event.options.map(row));
+      }
+      for (const { id, on: isOn } of event.options) boxes.get(id).checked = isOn;
+      list.hidden = event.options.length === 0;
+      write(line, sentence(event));
+      node.hidden = false;
+      if (!isSearching) write(button, boxes.size > 0 ? "Search again" : "Find symmetries");
+    },
+    /** Whoever waits for a lost engine waits no longer. */
+    rest,
+  };
+}
