@@ -211,7 +211,8 @@ fn the_speed_of_a_circle_extends_to_a_constant_and_levels_are_distances() {
         // The cut moved by one cap, away from the cap's pole.
         let moved = stages.redistanced[v] - stages.level[v];
         let expected = if labels[v] == 0 { -stages.largest_move } else { stages.largest_move };
-        assert!((moved / edge - expected).abs() < 0.5, "{moved} {expected}");
+        // Where a vertex may not follow at once the cut stays behind by half an edge.
+        assert!((moved / edge - expected).abs() < 0.75, "{moved} {expected}");
     }
     assert!(stages.fastest > exact && stages.fastest < 1.01 * exact);
     assert_eq!(stages.labels[stages.fastest_crossing.unwrap()], [0, 1]);
@@ -267,17 +268,18 @@ fn telling_the_stages_changes_nothing() {
 fn the_papers_flow_descends_on_surfaces_of_all_kinds_and_goes_on_from_a_checkpoint() {
     let hencky = Weights { hencky: 3000.0, length: 2.0, ..Weights::default() };
     let scaled = Weights { dirichlet: 300.0, rescaled: true, length: 2.0, ..Weights::default() };
-    let mut cases = vec![(Surface::sample("wavy_vase"), hencky, 0.97)];
+    let mut cases = vec![(Surface::sample("wavy_vase"), clusters(), hencky, 0.97)];
     // Its cuts end on its boundary.
-    cases.push((Surface::sample("bowl"), hencky, 0.97));
+    let across = Initial::Plane { point: Point3::origin(), normal: Vector3::new(1.0, 0.3, 0.1) };
+    cases.push((Surface::sample("noisy_cylinder"), across, hencky, 0.6));
     if let Some(spot) = Surface::shared("spot.obj") {
-        cases.push((spot, hencky, 0.85));
+        cases.push((spot, clusters(), hencky, 0.85));
     }
-    cases.extend(Surface::shared("spot.obj").map(|spot| (spot, scaled, 0.9)));
-    for (surface, weights, fall) in cases {
+    cases.extend(Surface::shared("spot.obj").map(|spot| (spot, clusters(), scaled, 0.9)));
+    for (surface, initial, weights, fall) in cases {
         let name = &surface.name;
-        let mut whole = flow(&surface, &clusters(), paper(weights));
-        let mut split = flow(&surface, &clusters(), paper(weights));
+        let mut whole = flow(&surface, &initial, paper(weights));
+        let mut split = flow(&surface, &initial, paper(weights));
         let start = whole.state().energy().total;
         let mut total = start;
         for step in 0..30 {
