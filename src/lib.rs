@@ -11,12 +11,12 @@
 //! | 0 | [`mesh`] | connectivity, refinement along cuts, opening, reading mesh bytes ([`mesh::read`]), what is wrong with a mesh ([`mesh::doctor`]). Knows no metric |
 //! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance, intrinsic flips, [`geometry::doctor`] |
 //! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cutgraph`] (disks), [`methods::prepare`] (finer, more even, lighter meshes) |
-//! | 3 | [`flatten`] | patch → chart: BFF, measures, overlaps, packing |
+//! | 3 | [`flatten`] | patch → chart: BFF, measures, overlaps, packing; charts → the surface that they make ([`flatten::fold`]) |
 //! | 4 | [`pattern`] | chart → piece in millimetres: seams, sheet, bytes of SVG, OBJ, JSON |
 //! | 5 | [`session`] | commands in, events out: documents, parameters, undo, scenes, reports. The only serde |
 //! | 6 | `viewer` | wgpu pictures of [`session::scene`]. Knows no geometry processing |
 //! | 6 | `web` | two wasm files: `Engine` (worker, no graphics) and `Viewer` (page, no solvers) |
-//! | 6 | `bin/cutflow.rs` | the same session from a terminal |
+//! | 6 | `bin/cutflow` | the same session from a terminal |
 //!
 //! # From a file to a pattern
 //!

@@ -2,7 +2,7 @@
 //!
 //! A patch is a surface with boundary in space, a *chart* its image in the plane. [`bff`] flattens every patch of an opened
 //! mesh at once with as little stretching of the rims as conformality allows; [`measures`] says what the result is worth;
-//! [`overlap`] finds where outlines cross; [`pack`] lays the charts side by side.
+//! [`overlap`] finds where outlines cross; [`pack`] lays the charts side by side; [`fold`] sews them together again in space.
 //!
 //! Guaranteed: seam partners are equally long in both charts ([`Flattening::seams_equal`]); charts are counter-clockwise.
 //! Not guaranteed: freedom from flips and overlaps, which are counted exactly and never hidden.
@@ -11,6 +11,7 @@
 
 pub mod bff;
 mod closing;
+pub mod fold;
 pub mod measures;
 pub mod overlap;
 pub mod pack;
@@ -20,6 +21,7 @@ use nalgebra::{Point2, Vector2};
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
 
 pub use bff::{bff, bff_with};
+pub use fold::{FoldFlow, FoldParams};
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
 

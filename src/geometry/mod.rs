@@ -13,7 +13,10 @@ mod distance;
 pub mod doctor;
 mod intrinsic;
 mod laplacian;
+mod nearest;
 pub mod polygon;
+pub mod symmetry;
+mod visibility;
 
 use nalgebra::{Point3, Vector3};
 
@@ -23,6 +26,11 @@ pub use curvature::{angle_defects, angle_sums, face_curvatures};
 pub use distance::{GeodesicFront, geodesic_distances, geodesic_distances_from};
 pub use intrinsic::{Intrinsic, mollification, without_slivers};
 pub use laplacian::Laplacian;
+pub use nearest::{Hit, Nearest, closest};
+pub use symmetry::{
+    Symmetry, SymmetryError, SymmetryKind, SymmetryMap, find_symmetries, symmetry_group,
+};
+pub use visibility::visibility;
 
 /// Why a surface has no usable metric.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

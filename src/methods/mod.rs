@@ -6,3 +6,4 @@ pub mod cutflow;
 pub mod cutgraph;
 pub mod flow;
 pub mod prepare;
+pub mod straighten;

@@ -23,16 +23,24 @@ struct Point {
     t: Option<f64>,
 }
 
-/// The cut that a `cut.json` describes, on the mesh that it was made for. Cuts that only turned patches into disks are
-/// not part of it: they are made again.
-pub fn cut_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<CutMesh, Problem> {
-    let wrong = |what: String| {
-        Problem::new(
-            what,
-            format!("{name}."),
-            "Use a cut.json that was written for this very mesh.",
-        )
-    };
+/// Whether a file is one of ours that describes a cut.
+pub fn is_cut_file(bytes: &[u8]) -> bool {
+    let head = &bytes[..bytes.len().min(200)];
+    String::from_utf8_lossy(head).contains("\"cutflow_cut\"")
+}
+
+/// The labels of the vertices in a `cut.json`.
+pub fn labels_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<Vec<u32>, Problem> {
+    Ok(parse(surface, name, bytes)?.1)
+}
+
+fn refused(name: &str, what: String) -> Problem {
+    Problem::new(what, format!("{name}."), "Use a cut.json that was written for this very mesh.")
+}
+
+/// The file and the labels of the surface's vertices.
+fn parse(surface: &Surface, name: &str, bytes: &[u8]) -> Result<(CutFile, Vec<u32>), Problem> {
+    let wrong = |what: String| refused(name, what);
     let file: CutFile = serde_json::from_slice(bytes)
         .map_err(|error| wrong(format!("This is no cut file: {error}.")))?;
     if file.cutflow_cut != 1 {
@@ -56,6 +64,14 @@ pub fn cut_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<CutM
             file.vertex_labels[v as usize].ok_or_else(|| wrong(format!("Vertex {v} has no label.")))
         })
         .collect::<Result<_, _>>()?;
+    Ok((file, labels))
+}
+
+/// The cut that a `cut.json` describes, on the mesh that it was made for. Cuts that only turned patches into disks are
+/// not part of it: they are made again.
+pub fn cut_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<CutMesh, Problem> {
+    let wrong = |what: String| refused(name, what);
+    let (file, labels) = parse(surface, name, bytes)?;
     let mut crossings: Vec<([VertexId; 2], f64)> = Vec::new();
     for point in &file.points {
         let (Some([a, b]), Some(t)) = (point.edge, point.t) else { continue };

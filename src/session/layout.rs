@@ -1,5 +1,8 @@
 //! The cut surface opened, flattened, measured and laid out: what pictures, tables and exports are made of.
 
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
 use nalgebra::Point3;
 
 use super::surface::Surface;
@@ -10,6 +13,7 @@ use crate::linalg::Factor;
 use crate::mesh::{CutMesh, HalfedgeId, Mesh, OpenedMesh};
 use crate::methods::cutgraph::cut_to_disks;
 use crate::methods::flow::SolveError;
+use crate::methods::straighten::{StraightenParams, Unchanged, finish_cut, snap_to_edges};
 use crate::pattern::CutSurface;
 
 /// Free space between charts, √area = 1.
@@ -39,6 +43,19 @@ pub struct Layout {
     pub disk_cut_length: f64,
     /// Patch of every opened vertex.
     pub vertex_patches: Vec<u32>,
+    /// What a person should know of how the cut was finished.
+    pub notice: Option<String>,
+}
+
+/// How a cut at rest is finished.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Finish<'a> {
+    /// Whether zigzag is taken out.
+    pub straighten: bool,
+    /// Whether the cut has to run along edges of the mesh.
+    pub snap: bool,
+    /// How firmly vertices hold the cut beside them; empty for not at all.
+    pub pins: &'a [f64],
 }
 
 impl Layout {
@@ -50,18 +67,75 @@ impl Layout {
     ) -> Result<Self, SolveError> {
         let points = place(surface, &cut);
         let disks = cut_to_disks(&mut cut, &points)?;
-        let geometry = measure_opened(&disks.opened, &points);
-        let flattening = bff(&disks.opened, &geometry)?;
-        Ok(Self::new(
-            surface,
-            cut,
-            points,
-            disks.opened,
-            geometry,
-            flattening,
-            disks.length,
-            previous,
-        ))
+        Self::whole(surface, cut, points, disks.opened, disks.length, previous)
+    }
+
+    /// Flattens a cut at rest: finished, with its patches cut to disks.
+    ///
+    /// A straighter cut is taken only if its charts have no more turned-over triangles than those of the cut as it was.
+    pub fn finished(
+        surface: &Surface,
+        cut: CutMesh,
+        finish: &Finish,
+        previous: Option<&Packing>,
+    ) -> Result<Self, SolveError> {
+        let (mesh, geometry) = (&surface.mesh, &surface.geometry);
+        if finish.snap && !cut.cut_edges.is_empty() {
+            let snapped = snap_to_edges(mesh, geometry, &cut)?;
+            let mut result = Self::full(surface, snapped.cut, previous)?;
+            if !snapped.lost.is_empty() {
+                result.notice = Some(format!(
+                    "Snapping to mesh edges lost {}: {} too narrow for the triangles there.",
+                    plural(snapped.lost.len(), "piece"),
+                    if snapped.lost.len() == 1 { "it is" } else { "they are" },
+                ));
+            } else if !snapped.keeps_shapes {
+                result.notice = Some("Snapping to mesh edges changed the shape of a piece.".into());
+            }
+            return Ok(result);
+        }
+        if !finish.straighten {
+            return Self::full(surface, cut, previous);
+        }
+        let mut rough = cut.clone();
+        let held = rough.cut_edges.len();
+        let points = place(surface, &rough);
+        let disks = cut_to_disks(&mut rough, &points)?;
+        let params = StraightenParams::default();
+        let straight = finish_cut(mesh, geometry, &rough, held, &params, finish.pins)?;
+        let as_it_was = |rough, points, notice| -> Result<Self, SolveError> {
+            let whole = Self::whole(surface, rough, points, disks.opened, disks.length, previous)?;
+            Ok(Self { notice, ..whole })
+        };
+        if let Some(reason) = straight.unchanged {
+            let notice = (reason != Unchanged::NoCut)
+                .then(|| format!("The outlines were left as they were: {reason}."));
+            return as_it_was(rough, points, notice);
+        }
+        let straight_points = place(surface, &straight.cut);
+        let length = length_of(&straight.cut.cut_edges[straight.free_from..], &straight_points);
+        let opened = straight.cut.open()?;
+        let result = Self::whole(surface, straight.cut, straight_points, opened, length, previous)?;
+        if result.measures.totals.flipped > 0 {
+            let before = as_it_was(rough, points, None)?;
+            if before.measures.totals.flipped < result.measures.totals.flipped {
+                return Ok(before);
+            }
+        }
+        Ok(result)
+    }
+
+    fn whole(
+        surface: &Surface,
+        cut: CutMesh,
+        points: Vec<Point3<f64>>,
+        opened: OpenedMesh,
+        disk_cut_length: f64,
+        previous: Option<&Packing>,
+    ) -> Result<Self, SolveError> {
+        let geometry = measure_opened(&opened, &points);
+        let flattening = bff(&opened, &geometry)?;
+        Ok(Self::new(surface, cut, points, opened, geometry, flattening, disk_cut_length, previous))
     }
 
     /// Flattens the disks of a running flow with the factor that it has; other patches wait for their charts.
@@ -106,7 +180,30 @@ impl Layout {
             overlaps_across,
             disk_cut_length,
             vertex_patches,
+            notice: None,
         }
+    }
+
+    /// The label of every patch: that of most of its vertices, by the flow's labels. Straightening may leave a vertex beside a cut on
+    /// its other side.
+    pub fn patch_labels(&self, labels: &[u32]) -> Vec<Option<u32>> {
+        let mut votes: Vec<BTreeMap<u32, usize>> = vec![BTreeMap::new(); self.opened.patch_count];
+        for (v, &label) in labels.iter().enumerate() {
+            // The first copy of a vertex keeps its number.
+            *votes[self.vertex_patches[v] as usize].entry(label).or_default() += 1;
+        }
+        let most = |votes: &BTreeMap<u32, usize>| {
+            votes.iter().max_by_key(|(label, count)| (**count, Reverse(**label))).map(|(l, _)| *l)
+        };
+        votes.iter().map(most).collect()
+    }
+
+    /// The labels of the surface's vertices as this cut parts them.
+    pub fn labels(&self, labels: &[u32]) -> Vec<u32> {
+        let of_patches = self.patch_labels(labels);
+        let label =
+            |(v, &own): (usize, &u32)| of_patches[self.vertex_patches[v] as usize].unwrap_or(own);
+        labels.iter().enumerate().map(label).collect()
     }
 
     /// The cut surface as the writers of files take it. **Takes** the millimetres of one unit of the file, where they are known.
@@ -154,14 +251,7 @@ impl Layout {
 
     /// Length of all cuts, each counted once.
     pub fn cut_length(&self) -> f64 {
-        self.cut
-            .cut_edges
-            .iter()
-            .map(|e| {
-                let [a, b] = e.map(|p| self.points[p as usize]);
-                (b - a).norm()
-            })
-            .sum()
+        length_of(&self.cut.cut_edges, &self.points)
     }
 
     /// Area of each patch.
@@ -211,6 +301,15 @@ pub fn rim_halfedges(opened: &OpenedMesh) -> impl Iterator<Item = (HalfedgeId, u
             .filter(|h| mesh.is_boundary_edge(h.edge()))
             .map(move |h| (h, opened.face_patches[f.index()]))
     })
+}
+
+/// Length of cut edges.
+fn length_of(edges: &[[u32; 2]], points: &[Point3<f64>]) -> f64 {
+    let length = |e: &[u32; 2]| {
+        let [a, b] = e.map(|p| points[p as usize]);
+        (b - a).norm()
+    };
+    edges.iter().map(length).sum()
 }
 
 fn place(surface: &Surface, cut: &CutMesh) -> Vec<Point3<f64>> {

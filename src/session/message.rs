@@ -73,6 +73,55 @@ pub enum Command {
     },
     /// Stops a preparation; the document stays as it was.
     Cancel,
+    /// Sets the parameters for a purpose.
+    ApplyPreset {
+        /// Its identifier.
+        id: String,
+    },
+    /// One dab of the brush. Places and radii are those of the scene, whose surface fits the unit ball.
+    Paint {
+        /// What is painted: `region seed penalty heat pin`.
+        channel: String,
+        /// The face of the mesh under the brush.
+        face: u32,
+        /// Its middle.
+        place: [f64; 3],
+        /// How far it reaches.
+        radius: f64,
+        /// An amount from 0 (erases) to 1, or a label; for seeds 0 takes the nearest one away.
+        value: f64,
+        /// Whether a stroke begins: strokes are what Undo takes back.
+        #[serde(default)]
+        begins: bool,
+    },
+    /// Takes all paint of one kind away.
+    ClearPaint {
+        /// What was painted.
+        channel: String,
+    },
+    /// Starts from a circle around a place.
+    PlaceCircle {
+        /// The face of the mesh there.
+        face: u32,
+        /// The place in the scene.
+        place: [f64; 3],
+    },
+    /// Makes cuts dear where they are seen.
+    HideFromCamera {
+        /// Where from, in the scene.
+        eye: [f64; 3],
+    },
+    /// Looks for mirror planes and axes.
+    FindSymmetries,
+    /// Keeps the cut symmetric.
+    SetSymmetry {
+        /// Identifiers of those that are wanted; none sets the cut free.
+        ids: Vec<String>,
+    },
+    /// Rebuilds the surface from the flat pieces.
+    Fold,
+    /// Shows the surface itself again.
+    Unfold,
 }
 
 /// The value of a parameter.
@@ -135,6 +184,8 @@ pub enum Event {
         pieces: Vec<PieceRow>,
         /// Size of the layout at its real size.
         pattern: Option<PatternSize>,
+        /// What a person should know of how the cut was finished.
+        note: Option<String>,
     },
     /// The fields that can be painted.
     Fields {
@@ -189,8 +240,108 @@ pub enum Event {
         /// Part that is done, where it can be told.
         fraction: Option<f32>,
     },
+    /// The presets.
+    Presets {
+        /// All of them.
+        options: Vec<PresetChoice>,
+        /// The one whose settings are in force.
+        current: Option<String>,
+    },
+    /// What the brush can paint.
+    PaintChannels {
+        /// All of it.
+        options: Vec<PaintChannel>,
+    },
+    /// Symmetries of the surface.
+    Symmetries {
+        /// Whether anybody has looked.
+        is_searched: bool,
+        /// What was found, the most exact first.
+        options: Vec<SymmetryChoice>,
+    },
+    /// The surface rebuilt from the flat pieces. Lengths for a surface of unit area.
+    Fold {
+        /// Whether it is shown.
+        is_on: bool,
+        /// Steps so far.
+        step: usize,
+        /// Mean distance from the surface.
+        distance_mean: f64,
+        /// Largest distance.
+        distance_max: f64,
+        /// Root mean square of the logs of lengths that are still wrong.
+        stretch: f64,
+    },
+    /// One step of the flow in numbers, stage by stage.
+    Stages {
+        /// The step that it would be.
+        step: usize,
+        /// By stage.
+        stages: Vec<StageNumbers>,
+    },
     /// A new scene is there.
     Scene,
+}
+
+/// Settings for a purpose.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PresetChoice {
+    /// Stable identifier.
+    pub id: String,
+    /// What a person reads.
+    pub label: String,
+    /// What it is for.
+    pub help: String,
+    /// The sample that it is made for.
+    pub sample: String,
+}
+
+/// Something that the brush paints.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PaintChannel {
+    /// Stable identifier.
+    pub id: String,
+    /// What a person reads.
+    pub label: String,
+    /// What it does.
+    pub help: String,
+    /// `amount`, `label` or `place`.
+    pub kind: &'static str,
+    /// Whether there is none of it.
+    pub is_empty: bool,
+}
+
+/// A symmetry of the surface.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SymmetryChoice {
+    /// Stable identifier.
+    pub id: String,
+    /// What a person reads.
+    pub label: String,
+    /// How far the surface is from it, as a fraction of its size.
+    pub deviation: f64,
+    /// Whether the cut is kept symmetric.
+    pub on: bool,
+}
+
+/// What one stage of a step came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageNumbers {
+    /// Stable identifier.
+    pub id: String,
+    /// Its numbers.
+    pub numbers: Vec<StageNumber>,
+}
+
+/// A number of a stage.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageNumber {
+    /// What it is.
+    pub label: String,
+    /// Its value, none where there is none.
+    pub value: Option<f64>,
+    /// Unit, or empty.
+    pub unit: String,
 }
 
 /// Something to choose.

@@ -9,21 +9,29 @@
 //!
 //! This is the only floor that serialises. It reads no clock: drivers measure time and hand in budgets.
 
+mod brought;
 mod cut_file;
 mod doctor;
 mod document;
+mod folding;
+mod inputs;
 mod layout;
 mod message;
+mod overlays;
+mod paint;
 mod params;
 mod picture;
 mod preparing;
+mod presets;
 mod regions;
 mod report;
 mod running;
 pub mod samples;
 pub mod scene;
 mod size;
+mod specs;
 mod surface;
+mod symmetric;
 mod text;
 mod undo;
 mod work;
@@ -32,22 +40,25 @@ use std::rc::Rc;
 
 use crate::methods::cutflow::CutFlow;
 use crate::methods::flow::Status;
+use inputs::Layers;
 use preparing::Preparation;
 use work::{Snapshot, Work, start_flow};
 
+pub use brought::Brought;
 pub use cut_file::{cut_from_json, surface_layout};
 pub use document::Document;
 pub use layout::Layout;
 pub use message::{
     Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary, NoticeText,
-    ParamKind, ParamSpec, PatternSize, PieceRow, RepairChoice, Row, SampleChoice, Term, ToolParam,
-    ToolSpec, Value,
+    PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow, PresetChoice, RepairChoice, Row,
+    SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term, ToolParam, ToolSpec, Value,
 };
-pub use params::{Effect, Settings, specs};
+pub use params::{Effect, Settings};
 pub use regions::FaceSource;
-pub use report::{CutReport, FlattenReport, HistoryRow, InfoReport};
+pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport};
 pub use scene::Scene;
 pub use size::settings_for;
+pub use specs::specs;
 pub use surface::Surface;
 pub use text::Problem;
 
@@ -84,6 +95,7 @@ impl Session {
         let result = match command {
             Command::Hello => {
                 events.push(self.samples());
+                events.push(self.presets());
                 Ok(())
             }
             Command::OpenSample { name } => self.adopt(Document::from_sample(&name), &mut events),
@@ -125,6 +137,17 @@ impl Session {
             }
             Command::SetSize { axis, value } => self.set_side(axis, value, &mut events),
             Command::Prepare { tool, values } => self.prepare(&tool, &values, &mut events),
+            Command::ApplyPreset { id } => self.apply_preset(&id, &mut events),
+            Command::Paint { channel, face, place, radius, value, begins } => {
+                self.paint(&channel, face, place, radius, value, begins, &mut events)
+            }
+            Command::ClearPaint { channel } => self.clear_paint(&channel, &mut events),
+            Command::PlaceCircle { face, place } => self.place_circle(face, place, &mut events),
+            Command::HideFromCamera { eye } => self.hide_from_camera(eye, &mut events),
+            Command::FindSymmetries => self.find_symmetries(&mut events),
+            Command::SetSymmetry { ids } => self.set_symmetry(&ids, &mut events),
+            Command::Fold => self.fold(&mut events),
+            Command::Unfold => self.unfold(&mut events),
         };
         if let Err(problem) = result {
             self.refuse(problem, &mut events);
@@ -134,6 +157,10 @@ impl Session {
 
     /// Opens a file. What was open stays open if the file cannot be used.
     pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
+        if self.work.is_some() && cut_file::is_cut_file(bytes) {
+            self.remember("bring a cut", "bring");
+            return self.bring(Brought::Cut { name, bytes });
+        }
         let mut events = std::mem::take(&mut self.late);
         self.preparation = None;
         if let Err(problem) = self.adopt(Document::from_bytes(name, bytes), &mut events) {
@@ -149,6 +176,10 @@ impl Session {
             // A mesh that is being made anew needs no cut before.
             let stepped = if self.preparation.is_some() {
                 self.prepare_on(&mut events)
+            } else if self.is_behind() {
+                self.catch_up(&mut events)
+            } else if self.is_folding() {
+                self.fold_on(&mut events)
             } else if self.first_cut_is_due() {
                 self.make_first_cut(&mut events);
                 Ok(())
@@ -169,6 +200,7 @@ impl Session {
             && !self.is_running
             && self.preparation.is_none()
             && !work.first_cut_is_due
+            && work.pending == work::Pending::None
             && !work.is_settled
         {
             self.settle(&mut events);
@@ -180,7 +212,16 @@ impl Session {
 
     /// Whether [`Session::advance`] has anything to do.
     pub fn is_running(&self) -> bool {
-        self.is_running || self.preparation.is_some() || self.first_cut_is_due()
+        self.is_running
+            || self.preparation.is_some()
+            || self.first_cut_is_due()
+            || self.is_behind()
+            || self.is_folding()
+    }
+
+    /// Whether something was painted that the flow does not know yet.
+    fn is_behind(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| work.pending != work::Pending::None)
     }
 
     fn first_cut_is_due(&self) -> bool {
@@ -191,7 +232,7 @@ impl Session {
     fn make_first_cut(&mut self, events: &mut Vec<Event>) {
         let Some(work) = &mut self.work else { return };
         work.first_cut_is_due = false;
-        match start_flow(&work.document, &work.settings, None) {
+        match work.new_flow(None) {
             Ok(flow) => work.begin(flow),
             Err(problem) => {
                 // As with small meshes: opened all the same, with a notice. What Undo holds as well stays as it is.
@@ -233,12 +274,31 @@ impl Session {
                 }
             }
         }
+        let values = match work.vertex_field(&self.field) {
+            Ok(values) => values,
+            Err(problem) => {
+                self.late.push(error_event(problem));
+                None
+            }
+        };
+        self.late.extend(work.stage_numbers(&self.field));
         let layout = work.layout.as_ref()?;
         let surface = work.document.surface.as_ref()?;
         let labels = work.labels();
         let colours = picture::patch_colours(layout, &labels);
-        let scene =
-            picture::scene(surface, layout, &colours, &work.u(), &self.field, work.revision);
+        let folded = work.fold.as_ref().map(|fold| fold.flow.positions());
+        let field = values.as_deref().map(|values| picture::Painted::new(&self.field, values));
+        let u = work.u();
+        let scene = picture::scene(
+            surface,
+            layout,
+            &colours,
+            &u,
+            &self.field,
+            field,
+            folded,
+            work.revision,
+        );
         work.revision += 1;
         Some(scene)
     }
@@ -277,6 +337,11 @@ impl Session {
         if self.first_cut_is_due() {
             let mut events = Vec::new();
             self.make_first_cut(&mut events);
+            self.late.extend(events);
+        }
+        if self.is_behind() {
+            let mut events = Vec::new();
+            self.catch_up(&mut events)?;
             self.late.extend(events);
         }
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
@@ -344,7 +409,10 @@ impl Session {
         events: &mut Vec<Event>,
     ) {
         let is_large = document.surface.is_some() && document.triangles.len() > SHOWN_FIRST;
-        let flow = match (!is_large).then(|| start_flow(&document, &settings, None)).transpose() {
+        let flow = match (!is_large)
+            .then(|| start_flow(&document, &settings, &Layers::default(), None))
+            .transpose()
+        {
             Ok(flow) => flow,
             Err(_) if document.surface.is_none() => None,
             Err(problem) => {
@@ -366,6 +434,7 @@ impl Session {
         if let Some(old) = old {
             work.revision = old.revision.max(1);
             work.layout = old.layout;
+            work.symmetries = old.symmetries;
         }
         if is_other {
             events.push(Event::Mesh(work.document.summary.clone()));
@@ -378,6 +447,9 @@ impl Session {
             events.extend(self.mesh_events());
         }
         events.push(self.parameters());
+        events.push(self.presets());
+        events.push(self.paint_channels());
+        events.push(self.symmetries());
         if !is_other {
             events.extend(self.size_event());
         }
@@ -432,7 +504,7 @@ impl Session {
         params.validate().map_err(|error| Problem::solve(&work.document.name, &error))?;
         let restarted = match effect {
             Effect::Restart if work.document.surface.is_some() => {
-                Some(start_flow(&work.document, &settings, None)?)
+                Some(start_flow(&work.document, &settings, &work.layers, None)?)
             }
             _ => None,
         };
@@ -440,6 +512,7 @@ impl Session {
             || format!("change {id}"),
             |spec| format!("change {}", spec.label.to_lowercase()),
         );
+        let label = if id.starts_with("preset ") { id.to_owned() } else { label };
         self.remember(&label, &format!("set {id}"));
         let Some(work) = &mut self.work else { return Ok(()) };
         work.settings = settings;
@@ -452,19 +525,28 @@ impl Session {
             }
             (Effect::NextStep | Effect::Restart, None) => {
                 let name = &work.document.name;
+                let fields = work.fields();
                 if let Some(flow) = &mut work.flow {
                     flow.set_params(params).map_err(|e| Problem::solve(name, &e))?;
-                    // One curve has one measure: the steps before are told by the new weights too.
-                    for row in &mut work.history {
-                        *row = row.reweighted(&params.weights);
+                    if ["source", "heat"].contains(&id) {
+                        flow.set_fields(&fields).map_err(|e| Problem::solve(name, &e))?;
                     }
+                    work.remeasure();
                     self.push_energy(events);
                 }
                 events.extend(self.work.as_ref().map(Work::measures));
             }
+            (Effect::Finish, None) => {
+                work.is_settled = false;
+                if !self.is_running {
+                    self.settle(events);
+                    events.push(Event::Scene);
+                }
+            }
             (Effect::Export, None) => events.push(work.measures()),
         }
         events.push(self.parameters());
+        events.push(self.presets());
         events.extend(self.size_event());
         events.push(self.history_event());
         events.push(self.status());
@@ -548,14 +630,19 @@ impl Session {
         };
         let step = work.step();
         let limit = work.settings.number("steps");
-        let (state, text) = if let Some(preparation) = &self.preparation {
+        let folding = work.fold.as_ref().filter(|fold| fold.is_running);
+        let (state, text) = if let Some(fold) = folding {
+            ("running", format!("Running step {} of the fold preview", fold.flow.steps()))
+        } else if let Some(preparation) = &self.preparation {
             ("preparing", preparation.status())
         } else if work.first_cut_is_due {
             ("preparing", format!("Loading {}: making the first cut", work.document.name))
         } else if work.document.surface.is_none() {
             ("ready", "Ready: the mesh needs repair before it can be cut".to_owned())
         } else if self.is_running {
-            ("running", format!("Running step {step}"))
+            let is_testing = work.flow.as_ref().is_some_and(CutFlow::is_testing);
+            let what = if is_testing { ": is there a better cut beside it?" } else { "" };
+            ("running", format!("Running step {step}{what}"))
         } else {
             match work.flow.as_ref().map(CutFlow::status) {
                 None => ("ready", "Ready: not cut yet".to_owned()),
@@ -563,7 +650,7 @@ impl Session {
                 // Every direction was tried at every length: as good an end as the other.
                 Some(Status::Stalled) => (
                     "stalled",
-                    format!("Converged after {step} steps: nothing lowers the energy further"),
+                    format!("Converged after {step} steps: no search lowers the energy further"),
                 ),
                 Some(_) if step as f64 >= limit => {
                     ("step_limit", format!("Paused at step {step}: step limit reached"))

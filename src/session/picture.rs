@@ -5,13 +5,13 @@
     reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
 )]
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use super::layout::{Layout, rim_halfedges};
 use super::message::Choice;
 use super::scene::{FieldScene, PatchScene, Scene};
 use super::surface::{Surface, face_to_vertex};
-use crate::mesh::{FaceId, SurfacePoint};
+use crate::mesh::{FaceId, OpenedMesh, SurfacePoint};
 
 /// Colours of the palette.
 const COLOURS: usize = 9;
@@ -27,25 +27,32 @@ pub fn fields() -> Vec<Choice> {
         Choice::new("curvature", "Curvature K"),
         Choice::new("area", "Area distortion"),
         Choice::new("angle", "Angle distortion"),
+        Choice::new("penalty", "Penalty η"),
+        Choice::new("heat", "Heat"),
+        Choice::new("pin", "Pinned places"),
+        Choice::new("regions", "Painted regions"),
+        Choice::new("adjoint", "Adjoint p"),
+        Choice::new("flux", "Flux ∂u/∂n"),
+        Choice::new("velocity", "Speed of the cut"),
+        Choice::new("extension", "Speed, extended"),
+        Choice::new("level", "Level set φ"),
+        Choice::new("moved", "Level set, moved"),
+        Choice::new("redistanced", "Level set, redistanced"),
     ]
 }
 
 /// A colour for each patch, such that neighbours differ: that of its label where possible.
 pub fn patch_colours(layout: &Layout, labels: &[u32]) -> Vec<u8> {
     let neighbours = layout.neighbours();
-    let mut patch_labels = vec![u32::MAX; layout.opened.patch_count];
-    for (v, &label) in labels.iter().enumerate() {
-        // The first copy of a vertex keeps its number; vertices on added cuts lie within one region anyway.
-        patch_labels[layout.vertex_patches[v] as usize] = label;
-    }
+    let patch_labels = layout.patch_labels(labels);
     let mut colours: Vec<Option<u8>> = vec![None; patch_labels.len()];
     let mut uses = [0usize; COLOURS];
     for (patch, &label) in patch_labels.iter().enumerate() {
         let taken = |c: usize| {
             neighbours[patch].iter().any(|&n| colours[n as usize].map(usize::from) == Some(c))
         };
-        let own = label as usize % COLOURS;
-        let chosen = if label != u32::MAX && !taken(own) {
+        let own = label.map_or(0, |label| label as usize % COLOURS);
+        let chosen = if label.is_some() && !taken(own) {
             own
         } else {
             (0..COLOURS).filter(|&c| !taken(c)).min_by_key(|&c| (uses[c], c)).unwrap_or(own)
@@ -56,15 +63,43 @@ pub fn patch_colours(layout: &Layout, labels: &[u32]) -> Vec<u8> {
     colours.into_iter().map(|c| c.unwrap_or(0)).collect()
 }
 
+/// A field given at the vertices of the mesh, NaN where it has no value.
+#[derive(Clone, Copy, Debug)]
+pub struct Painted<'a> {
+    id: &'a str,
+    values: &'a [f64],
+}
+
+impl<'a> Painted<'a> {
+    /// **Takes** one value for each vertex.
+    pub fn new(id: &'a str, values: &'a [f64]) -> Self {
+        Self { id, values }
+    }
+
+    /// Fields without a sign; all others have zero in the middle of their colours.
+    fn is_signed(&self) -> bool {
+        !["penalty", "heat", "pin", "regions", "flux"].contains(&self.id)
+    }
+
+    /// Whether each patch has values of its own: then points on cuts take those of their own side.
+    fn is_sided(&self) -> bool {
+        ["flux", "velocity", "extension", "moved", "level", "redistanced"].contains(&self.id)
+    }
+}
+
 /// The scene of a layout.
 ///
-/// **Takes** u at the mesh's vertices (0 on cuts), and the field to paint.
+/// **Takes** u at the mesh's vertices (0 on cuts), the field to paint, its values where the layout does not know them, and
+/// other places of the points where the surface is shown folded.
+#[expect(clippy::too_many_arguments, reason = "everything that is drawn")]
 pub fn scene(
     surface: &Surface,
     layout: &Layout,
     colours: &[u8],
     u: &[f64],
     field: &str,
+    painted: Option<Painted>,
+    folded: Option<&[Point3<f64>]>,
     revision: u32,
 ) -> Scene {
     let unit = 1.0 / surface.radius().max(1e-300);
@@ -89,7 +124,8 @@ pub fn scene(
         ..Scene::default()
     };
     for &point in &opened.vertex_points {
-        let place = layout.points[point as usize].coords * unit;
+        let places = folded.unwrap_or(&layout.points);
+        let place = places[point as usize].coords * unit;
         result.positions.extend(place.iter().map(|&x| small(x)));
         result.normals.extend(point_normals[point as usize].iter().map(|&x| small(x)));
     }
@@ -116,8 +152,19 @@ pub fn scene(
         });
     }
 
-    if let Some((id, label, values, signed)) = field_values(surface, layout, u, field) {
-        result.field = Some(legend(layout, id, label, &values, signed));
+    if folded.is_some() {
+        result.normals = folded_normals(opened, &result.positions);
+    }
+
+    let painted = painted.map(|painted| {
+        let label =
+            fields().into_iter().find(|f| f.id == painted.id).map_or_else(String::new, |f| f.label);
+        (painted.id.to_owned(), label, on_opened(surface, layout, painted), painted.is_signed())
+    });
+    let known = field_values(surface, layout, u, field)
+        .map(|(id, label, values, signed)| (id.to_owned(), label.to_owned(), values, signed));
+    if let Some((id, label, values, signed)) = painted.or(known) {
+        result.field = Some(legend(layout, &id, &label, &values, signed));
         result.values = values.into_iter().map(small).collect();
     }
     result
@@ -168,6 +215,61 @@ fn anchors(layout: &Layout) -> Vec<[f64; 2]> {
         }
     }
     anchors
+}
+
+/// Area-weighted normals of a folded surface.
+fn folded_normals(opened: &OpenedMesh, positions: &[f32]) -> Vec<f32> {
+    let at = |v: usize| Vector3::new(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]);
+    let mut sums = vec![Vector3::<f32>::zeros(); positions.len() / 3];
+    for t in opened.mesh.triangles() {
+        let [a, b, c] = t.map(|v| at(v.index()));
+        let normal = (b - a).cross(&(c - a));
+        t.iter().for_each(|v| sums[v.index()] += normal);
+    }
+    let unit = |n: &Vector3<f32>| n.try_normalize(1e-30).unwrap_or_else(Vector3::z);
+    sums.iter().flat_map(|n| <[f32; 3]>::from(unit(n))).collect()
+}
+
+/// A field of the mesh's vertices at the opened vertices: linear along crossed edges, or the value of the own side there.
+fn on_opened(surface: &Surface, layout: &Layout, painted: Painted) -> Vec<f64> {
+    let opened = &layout.opened;
+    let values = painted.values;
+    let own = surface.mesh.vertex_count();
+    let linear = |point: SurfacePoint| match point {
+        SurfacePoint::Vertex(v) => values[v.index()],
+        SurfacePoint::Edge(e, t) => {
+            let [a, b] = surface.mesh.edge_vertices(e).map(|v| values[v.index()]);
+            a + (b - a) * t
+        }
+        SurfacePoint::Face(f, w) => {
+            let corners = surface.mesh.face_vertices(f).map(|v| values[v.index()]);
+            corners.iter().zip(w).map(|(c, w)| c * w).sum()
+        }
+    };
+    let mut result: Vec<f64> =
+        opened.vertex_points.iter().map(|&p| linear(layout.cut.points[p as usize])).collect();
+    if painted.is_sided() {
+        let is_level = ["level", "moved", "redistanced"].contains(&painted.id);
+        // The mean of the neighbours that are vertices of the mesh: they lie on the own side.
+        for v in opened.mesh.vertices().filter(|v| opened.vertex_points[v.index()] as usize >= own)
+        {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for h in opened.mesh.outgoing(v) {
+                let point = opened.vertex_points[opened.mesh.tip(h).index()] as usize;
+                if point < own && values[point].is_finite() {
+                    sum += values[point];
+                    count += 1.0;
+                }
+            }
+            result[v.index()] = match painted.id {
+                // Level sets vanish on the cut that they belong to.
+                "level" => 0.0,
+                _ if is_level || count > 0.0 => sum / f64::max(count, 1.0),
+                _ => f64::NAN,
+            };
+        }
+    }
+    result
 }
 
 /// Identifier, label, one value for each opened vertex, whether the field is signed.

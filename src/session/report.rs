@@ -66,10 +66,32 @@ pub struct CutReport {
     pub flattening: FlattenReport,
     /// Real size: millimetres of one unit of the file.
     pub mm_per_unit: f64,
+    /// ∫_γ η, unweighted; 0 without a penalty.
+    pub penalty: f64,
+    /// Area of the first region, where its growth is rewarded.
+    pub region_area: f64,
+    /// Symmetries that the cut keeps.
+    pub symmetry: Vec<String>,
+    /// The surface rebuilt from the flat pieces, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fold: Option<FoldReport>,
     /// Solving time, where the driver measured it.
     pub seconds: Option<f64>,
     /// Solving time over steps; `null` without steps.
     pub seconds_per_step: Option<f64>,
+}
+
+/// The developable preview. Lengths over √area.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FoldReport {
+    /// Steps made.
+    pub steps: usize,
+    /// Mean distance from the surface.
+    pub distance_mean: f64,
+    /// Largest distance.
+    pub distance_max: f64,
+    /// Root mean square of the logs of lengths that are still wrong.
+    pub stretch: f64,
 }
 
 /// One step.
@@ -77,7 +99,7 @@ pub struct CutReport {
 pub struct HistoryRow {
     /// Accepted steps.
     pub step: usize,
-    /// Weighted distortion, J − α |γ|.
+    /// Weighted distortion: J without length, penalty and growth.
     pub distortion: f64,
     /// |γ|.
     pub length: f64,
@@ -85,7 +107,7 @@ pub struct HistoryRow {
     pub total: f64,
     /// Its terms, from which it follows for other weights.
     #[serde(skip)]
-    energy: Energy,
+    pub(super) energy: Energy,
 }
 
 /// One patch.

@@ -1,5 +1,6 @@
 //! Driving the flow: run, pause, step, reset, and the steps themselves.
 
+use super::inputs::Layers;
 use super::message::Event;
 use super::report::HistoryRow;
 use super::text::Problem;
@@ -14,6 +15,9 @@ impl Session {
         if self.is_at_end() {
             events.push(self.status());
             return Ok(());
+        }
+        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
+            self.unfold(events)?;
         }
         if !self.is_running {
             let step = self.work.as_ref().map_or(0, Work::step);
@@ -59,9 +63,31 @@ impl Session {
     pub(super) fn reset(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
         let Some(work) = &self.work else { return Err(nothing_open()) };
-        let flow = start_flow(&work.document, &work.settings, None)?;
+        let flow = work.new_flow(None)?;
         self.remember("reset", "reset");
         if let Some(work) = &mut self.work {
+            work.begin(flow);
+        }
+        self.push_energy(events);
+        self.settle(events);
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    /// Starts again with other layers.
+    pub(super) fn restart_with(
+        &mut self,
+        layers: Layers,
+        label: &str,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let flow = start_flow(&work.document, &work.settings, &layers, None)?;
+        self.remember(label, label);
+        if let Some(work) = &mut self.work {
+            work.layers = layers;
             work.begin(flow);
         }
         self.push_energy(events);
@@ -87,7 +113,7 @@ impl Session {
         if work.flow.is_some() {
             return Ok(());
         }
-        let flow = start_flow(&work.document, &work.settings, None)?;
+        let flow = work.new_flow(None)?;
         work.begin(flow);
         self.push_energy(events);
         self.settle(events);
@@ -95,6 +121,9 @@ impl Session {
     }
 
     pub(super) fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        if self.is_behind() {
+            self.catch_up(events)?;
+        }
         let Some(work) = &mut self.work else { return Ok(()) };
         let limit = work.settings.number("steps");
         let Some(flow) = &mut work.flow else {
@@ -105,10 +134,12 @@ impl Session {
         let report = flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
         if report.step > before {
             let energy = flow.state().energy();
-            let weights = flow.params().weights;
+            let weights = *flow.weights();
             let row = HistoryRow::new(report.step, &energy, &weights);
             work.history.push(row);
             work.is_settled = false;
+            work.stages = None;
+            work.fold = None;
             self.scene_is_new = true;
             events.push(energy_event(&row, &weights));
         }

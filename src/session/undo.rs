@@ -51,9 +51,12 @@ impl Session {
             if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
         let Some(target) = from.last() else { return Ok(()) };
         let flow = match &target.checkpoint {
-            Some(checkpoint) => {
-                Some(start_flow(&target.document, &target.settings, Some(checkpoint))?)
-            }
+            Some(checkpoint) => Some(start_flow(
+                &target.document,
+                &target.settings,
+                &target.layers,
+                Some(checkpoint),
+            )?),
             None => None,
         };
         let Some(target) = from.pop() else { return Ok(()) };
@@ -61,6 +64,7 @@ impl Session {
             to.push(work.snapshot(&target.label, &target.kind));
         }
         let mut work = Work::new(target.document, target.settings, flow);
+        work.layers = target.layers;
         work.history = target.history;
         work.start = target.start;
         work.first_cut_is_due = target.first_cut_is_due;

@@ -3,25 +3,47 @@
 use std::rc::Rc;
 
 use super::document::Document;
-use super::layout::Layout;
+use super::folding::Fold;
+use super::inputs::{self, Layers};
+use super::layout::{Finish, Layout};
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
 use super::params::Settings;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
 use super::surface::Surface;
 use super::text::Problem;
 use super::{nothing_open, picture, size};
+use crate::geometry::Symmetry;
 use crate::mesh::CutMesh;
-use crate::methods::cutflow::{Checkpoint, CutFlow, Weights};
+use crate::methods::cutflow::{Checkpoint, CutFields, CutFlow, Pointwise, Stages, Weights};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, Pattern, Sheet, SheetParams};
 
 /// The export that needs no cut.
 pub(super) const MESH: &str = "Mesh (OBJ)";
 
+/// What was painted since the flow last looked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Pending {
+    /// Nothing.
+    #[default]
+    None,
+    /// Sources, penalties, pins: the next step acts on them.
+    Fields,
+    /// Where the flow starts.
+    Restart,
+}
+
 /// A document, its parameters and its cut.
 pub(super) struct Work {
     pub document: Rc<Document>,
     pub settings: Settings,
+    pub layers: Layers,
+    pub pending: Pending,
+    /// Symmetries that were found, once somebody looked.
+    pub symmetries: Option<Rc<Vec<Symmetry>>>,
+    /// One step of the paper's flow from the current cut, for whoever wants to see it.
+    pub stages: Option<Stages>,
+    pub fold: Option<Fold>,
     pub flow: Option<CutFlow>,
     pub history: Vec<HistoryRow>,
     pub layout: Option<Layout>,
@@ -41,6 +63,7 @@ pub(super) struct Snapshot {
     pub kind: String,
     pub document: Rc<Document>,
     pub settings: Settings,
+    pub layers: Layers,
     pub checkpoint: Option<Checkpoint>,
     pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
@@ -66,6 +89,30 @@ impl Work {
         }
     }
 
+    /// A flow from the initial cut, or from a checkpoint.
+    pub fn new_flow(&self, checkpoint: Option<&Checkpoint>) -> Result<CutFlow, Problem> {
+        start_flow(&self.document, &self.settings, &self.layers, checkpoint)
+    }
+
+    /// Sources, penalties and pins as they are now.
+    pub fn fields(&self) -> CutFields {
+        inputs::fields(&self.settings, &self.layers, self.vertex_count())
+    }
+
+    /// Tells the curve by what the flow measures now: the steps before by the new weights too, as far as their terms were
+    /// measured; from the current cut on where they were not.
+    pub fn remeasure(&mut self) {
+        let Some(flow) = &self.flow else { return };
+        let weights = *flow.weights();
+        for row in &mut self.history {
+            *row = row.reweighted(&weights);
+        }
+        if let Some(last) = self.history.last_mut() {
+            *last = HistoryRow::new(flow.steps(), &flow.state().energy(), &weights);
+        }
+        self.stages = None;
+    }
+
     fn vertex_count(&self) -> usize {
         self.document.surface.as_ref().map_or(0, |surface| surface.mesh.vertex_count())
     }
@@ -83,8 +130,8 @@ impl Work {
 
     /// J and its terms at every step so far.
     pub fn energy_curve(&self) -> impl Iterator<Item = Event> + '_ {
-        let weights = self.settings.flow_params().weights;
-        self.history.iter().map(move |row| energy_event(row, &weights))
+        let params = self.settings.flow_params();
+        self.history.iter().map(move |row| energy_event(row, &params.weights_at(row.step)))
     }
 
     pub fn snapshot(&self, label: &str, kind: &str) -> Snapshot {
@@ -93,6 +140,7 @@ impl Work {
             kind: kind.to_owned(),
             document: self.document.clone(),
             settings: self.settings.clone(),
+            layers: self.layers.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
             first_cut_is_due: self.first_cut_is_due,
             history: self.history.clone(),
@@ -106,6 +154,11 @@ impl Work {
         Self {
             document,
             settings,
+            layers: Layers::default(),
+            pending: Pending::None,
+            symmetries: None,
+            stages: None,
+            fold: None,
             flow,
             history,
             layout: None,
@@ -120,6 +173,8 @@ impl Work {
     pub fn begin(&mut self, flow: CutFlow) {
         self.history = vec![first_row(&flow)];
         self.flow = Some(flow);
+        self.pending = Pending::None;
+        self.stages = None;
         self.first_cut_is_due = false;
         self.start = None;
         self.is_settled = false;
@@ -147,7 +202,12 @@ impl Work {
     pub fn settle(&mut self) -> Result<(), Problem> {
         let surface = self.document.surface()?;
         let packing = self.layout.as_ref().map(|l| &l.packing);
-        let layout = Layout::full(surface, self.cut_mesh(surface), packing)
+        let finish = Finish {
+            straighten: self.settings.is_on("straighten"),
+            snap: self.settings.is_on("snap"),
+            pins: &self.layers.pin,
+        };
+        let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing)
             .map_err(|error| Problem::solve(&surface.name, &error))?;
         self.layout = Some(layout);
         self.is_settled = true;
@@ -200,7 +260,7 @@ impl Work {
             row.start = start.and_then(|s| s.now);
         }
         let Some(layout) = &self.layout else {
-            return Event::Measures { rows, pieces: Vec::new(), pattern: None };
+            return Event::Measures { rows, pieces: Vec::new(), pattern: None, note: None };
         };
         let colours = picture::patch_colours(layout, &self.labels());
         let areas = layout.patch_areas();
@@ -238,7 +298,7 @@ impl Work {
             unit_length: self.document.surface.as_ref().map_or(1.0, Surface::radius) * mm,
             overlaps: layout.overlaps(),
         });
-        Event::Measures { rows, pieces, pattern }
+        Event::Measures { rows, pieces, pattern, note: layout.notice.clone() }
     }
 
     pub fn cut_report(&self, seconds: Option<f64>) -> Result<CutReport, Problem> {
@@ -276,6 +336,10 @@ impl Work {
             patches: patch_reports(layout),
             flattening: FlattenReport::new(layout, None),
             mm_per_unit: size::mm_per_file_unit(&self.document, &self.settings),
+            penalty: energy.penalty,
+            region_area: energy.area,
+            symmetry: self.layers.symmetry.ids.clone(),
+            fold: None,
             seconds,
             seconds_per_step: seconds.filter(|_| steps > 0).map(|s| s / steps as f64),
         })
@@ -305,7 +369,7 @@ impl Work {
             }
             "Cut curves (OBJ)" => Ok(file("cut.obj", "model/obj", pattern::cut_obj(&surface))),
             "Cut (JSON)" => {
-                let bytes = pattern::cut_json(&surface, &self.labels());
+                let bytes = pattern::cut_json(&surface, &layout.labels(&self.labels()));
                 Ok(file("cut.json", "application/json", bytes))
             }
             "Pattern (SVG)" => {
@@ -318,6 +382,23 @@ impl Work {
                 };
                 let bytes = pattern::svg(&Sheet::new(pieces, &params));
                 Ok(file("pattern.svg", "image/svg+xml", bytes))
+            }
+            "Folded surface (OBJ)" => {
+                let Some(fold) = &self.fold else {
+                    return Err(Problem::new(
+                        "The surface has not been folded.",
+                        format!("{}.", document.name),
+                        "Choose Fold preview first.",
+                    ));
+                };
+                let unit = 1.0 / given.frame.scale;
+                let places: Vec<[f64; 3]> = fold
+                    .flow
+                    .positions()
+                    .iter()
+                    .map(|p| (given.frame.centre + p.coords * unit).into())
+                    .collect();
+                Ok(file("folded.obj", "model/obj", folded_obj(layout, &places)))
             }
             "Report (JSON)" => {
                 #[derive(serde::Serialize)]
@@ -348,13 +429,16 @@ impl Work {
 pub(super) fn start_flow(
     document: &Document,
     settings: &Settings,
+    layers: &Layers,
     checkpoint: Option<&Checkpoint>,
 ) -> Result<CutFlow, Problem> {
     let wrong = |error| Problem::solve(&document.name, &error);
     let surface = document.surface()?;
-    let initial = settings.initial(surface)?;
+    let initial = inputs::initial(settings, layers, surface)?;
     let (mesh, geometry) = surface.solving();
-    let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &initial, settings.flow_params())
+    let fields = inputs::fields(settings, layers, mesh.vertex_count());
+    let params = settings.flow_params();
+    let mut flow = CutFlow::with_fields(mesh.clone(), geometry.clone(), &initial, params, &fields)
         .map_err(wrong)?;
     if let Some(checkpoint) = checkpoint {
         flow.restore(checkpoint).map_err(wrong)?;
@@ -364,20 +448,39 @@ pub(super) fn start_flow(
 
 /// The history's row of a flow that has just begun.
 pub(super) fn first_row(flow: &CutFlow) -> HistoryRow {
-    HistoryRow::new(flow.steps(), &flow.state().energy(), &flow.params().weights)
+    HistoryRow::new(flow.steps(), &flow.state().energy(), flow.weights())
 }
 
 /// A point of the energy plot.
 pub(super) fn energy_event(row: &HistoryRow, weights: &Weights) -> Event {
     let distortion = match (weights.dirichlet > 0.0, weights.hencky > 0.0) {
         (true, false) => "Dirichlet",
-        (false, true) => "Hencky",
+        (false, true) if weights.pointwise == Pointwise::Square => "Hencky",
         _ => "Distortion",
     };
+    let energy = &row.energy;
     let term = |name: &str, value: f64| Term { name: name.into(), value };
-    let terms =
-        vec![term("Length α|γ|", row.total - row.distortion), term(distortion, row.distortion)];
+    let mut terms =
+        vec![term("Length α|γ|", weights.length * energy.length), term(distortion, row.distortion)];
+    if energy.penalty > 0.0 && weights.penalty > 0.0 {
+        terms.push(term("Penalty", weights.penalty * energy.penalty));
+    }
+    if weights.area > 0.0 {
+        terms.push(term("Growth", -weights.area * energy.area));
+    }
     Event::Energy { step: row.step, total: row.total, terms }
+}
+
+/// A folded surface with its texture coordinates left out: points of the cut surface, seams sewn.
+fn folded_obj(layout: &Layout, places: &[[f64; 3]]) -> Vec<u8> {
+    let mut text = String::from("# the surface rebuilt from its flat pieces\n");
+    for [x, y, z] in places {
+        text += &format!("v {x} {y} {z}\n");
+    }
+    for [a, b, c] in &layout.cut.triangles {
+        text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+    }
+    text.into_bytes()
 }
 
 /// A file name without its folders.

@@ -111,6 +111,15 @@ impl LevelSets {
         self.entry(v, label).map_or(self.far, |i| self.values[i])
     }
 
+    /// φ_label(v), far inside or outside if it is not stored.
+    pub fn signed_value(&self, v: VertexId, label: u32) -> f64 {
+        match self.entry(v, label) {
+            Some(entry) => self.values[entry],
+            None if self.labels[v.index()] == label => -self.far,
+            None => self.far,
+        }
+    }
+
     /// φ_lower(v) − φ_upper(v).
     pub fn difference(&self, v: VertexId, lower: u32, upper: u32) -> f64 {
         self.value(v, lower) - self.value(v, upper)

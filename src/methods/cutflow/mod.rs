@@ -16,6 +16,7 @@
 //! more than two regions a patch may shrink away. A [`Schedule`] that changes α changes what J means, between steps. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
 
 mod band;
+mod coarse;
 mod cut;
 mod energy;
 mod init;
@@ -25,15 +26,18 @@ mod paper;
 mod params;
 mod probe;
 mod search;
+mod symmetric;
 mod terms;
 mod topology;
 
 use band::{LevelSets, Response};
+use coarse::{Coarse, SavedCoarse};
 use cut::{Cut, Frames, NONE};
 use energy::{Problem, Solution};
 use memory::Memory;
 use metric::dot;
 use probe::{Probe, SavedProbe};
+use symmetric::Symmetric;
 
 pub use init::{Initial, Start, initial_labels};
 pub use paper::Stages;
@@ -116,6 +120,9 @@ pub struct CutFlow {
     progress: Progress,
     status: Status,
     probe: Option<Probe>,
+    coarse: Option<Coarse>,
+    fields: CutFields,
+    symmetric: Symmetric,
     /// Memory of the solution before, reused by the next trial.
     spare: Option<Solution>,
     edge_crossings: Vec<u32>,
@@ -128,6 +135,7 @@ pub struct Checkpoint {
     progress: Progress,
     status: Status,
     probe: Option<SavedProbe>,
+    coarse: Option<SavedCoarse>,
 }
 
 impl CutFlow {
@@ -157,49 +165,56 @@ impl CutFlow {
         params.validate()?;
         fields.validate(mesh.vertex_count())?;
         let start = initial_labels(&mesh, &geometry, initial)?;
+        Self::from_start(mesh, geometry, start, params, fields)
+    }
+
+    /// The same from labels and level sets.
+    fn from_start(
+        mesh: Mesh,
+        geometry: Geometry,
+        start: Start,
+        params: CutFlowParams,
+        fields: &CutFields,
+    ) -> Result<Self, SolveError> {
         let mean_edge = geometry.mean_edge_length();
+        let (symmetric, start) = Symmetric::new(&mesh, &geometry, &fields.symmetry, start);
         let mut problem = Problem::new(mesh, geometry)?;
         problem.set_fields(fields);
         problem.prepare_rescaling(&params.weights)?;
         let mut edge_crossings = vec![NONE; problem.mesh.edge_count()];
-        let cut = Cut::find(
-            &problem.mesh,
-            &problem.frames,
-            &start.labels,
-            |v, lower, upper| start.level(v, lower, mean_edge) - start.level(v, upper, mean_edge),
-            &mut edge_crossings,
-        );
-        clear(&mut edge_crossings, &cut);
+        let cut = first_cut(&problem, &start, mean_edge, &mut edge_crossings);
         if cut.crossings.is_empty() && problem.mesh.boundary_loops().is_empty() {
             return Err(SolveError::EmptyCut { vertices: problem.mesh.vertex_count() });
         }
         problem.rest_uncut_components(&cut);
-        let levels = LevelSets::around(
-            &problem,
-            &cut,
-            start.labels.clone(),
-            |v, label| start.level(v, label, mean_edge),
-            mean_edge,
-        );
-        let (levels, response) = LevelSets::rebuild(&problem, &cut, levels, mean_edge);
         let weights = params.weights_at(0);
-        let solution = problem.solve(&cut, &levels.labels, &weights, None)?;
-        if !solution.energy.total.is_finite() {
+        let state = first_state(&problem, &start, cut, mean_edge, &weights, None)?;
+        if !state.solution.energy.total.is_finite() {
             return Err(SolveError::NotFinite);
         }
-        let progress = Progress { history: vec![solution.energy.total], ..Progress::default() };
+        let history = vec![state.solution.energy.total];
         Ok(Self {
             problem,
             params,
             weights,
             mean_edge,
-            state: CutState { levels, response, cut, solution },
-            progress,
+            state,
+            progress: Progress { history, ..Progress::default() },
             status: Status::Running,
             probe: None,
+            coarse: None,
+            fields: fields.clone(),
+            symmetric,
             spare: None,
             edge_crossings,
         })
+    }
+
+    /// Another state from labels and level sets.
+    fn state_from(&mut self, start: &Start) -> Result<CutState, SolveError> {
+        let cut = first_cut(&self.problem, start, self.mean_edge, &mut self.edge_crossings);
+        let spare = self.spare.take();
+        first_state(&self.problem, start, cut, self.mean_edge, &self.weights, spare)
     }
 
     /// The mesh that is cut.
@@ -249,6 +264,7 @@ impl CutFlow {
         self.progress.probes = 0;
         self.progress.failures = 0;
         self.probe = None;
+        self.coarse = None;
         self.status = Status::Running;
         let weights = params.weights_at(self.progress.step);
         if weights == self.weights {
@@ -263,9 +279,11 @@ impl CutFlow {
     pub fn set_fields(&mut self, fields: &CutFields) -> Result<(), SolveError> {
         fields.validate(self.problem.mesh.vertex_count())?;
         self.problem.set_fields(fields);
+        self.fields = fields.clone();
         self.progress.probes = 0;
         self.progress.failures = 0;
         self.probe = None;
+        self.coarse = None;
         self.status = Status::Running;
         self.measure_anew()
     }
@@ -336,6 +354,7 @@ impl CutFlow {
             progress: self.progress.clone(),
             status: self.status,
             probe: self.probe.as_ref().map(Probe::save),
+            coarse: self.coarse.as_ref().map(Coarse::save),
         }
     }
 
@@ -346,9 +365,14 @@ impl CutFlow {
             Some(saved) => Some(saved.revive(self)?),
             None => None,
         };
+        let coarse = match &checkpoint.coarse {
+            Some(saved) => self.revive_coarse(saved)?,
+            None => None,
+        };
         let (cut, solution) = self.evaluate(&checkpoint.levels)?;
         self.accept(checkpoint.levels.clone(), cut, solution);
         self.probe = probe;
+        self.coarse = coarse;
         self.progress = checkpoint.progress.clone();
         self.status = checkpoint.status;
         Ok(())
@@ -469,8 +493,11 @@ impl Flow for CutFlow {
         }
         self.follow_schedule();
         let ceiling = self.state.solution.energy.total;
-        let mut moved = false;
-        if self.progress.step == 0 && self.params.kick > 0.0 {
+        if self.progress.step == 0 && self.wants_coarse() {
+            self.coarse = self.make_coarse()?;
+        }
+        let mut moved = self.coarse.is_some() && self.step_coarse()?;
+        if !moved && self.progress.step == 0 && self.params.kick > 0.0 {
             let start = self.checkpoint();
             let result = self.kick_and_descend(ceiling);
             moved = result.is_ok() && self.state.solution.energy.total < ceiling;
@@ -497,6 +524,31 @@ impl Flow for CutFlow {
         }
         Ok(self.report())
     }
+}
+
+/// The cut of a start.
+fn first_cut(problem: &Problem, start: &Start, mean_edge: f64, edge_crossings: &mut [u32]) -> Cut {
+    let level = |v, label| start.level(v, label, mean_edge);
+    let difference = |v, lower, upper| level(v, lower) - level(v, upper);
+    let cut = Cut::find(&problem.mesh, &problem.frames, &start.labels, difference, edge_crossings);
+    clear(edge_crossings, &cut);
+    cut
+}
+
+/// The state of a start with its cut.
+fn first_state(
+    problem: &Problem,
+    start: &Start,
+    cut: Cut,
+    mean_edge: f64,
+    weights: &Weights,
+    spare: Option<Solution>,
+) -> Result<CutState, SolveError> {
+    let level = |v, label| start.level(v, label, mean_edge);
+    let levels = LevelSets::around(problem, &cut, start.labels.clone(), level, mean_edge);
+    let (levels, response) = LevelSets::rebuild(problem, &cut, levels, mean_edge);
+    let solution = problem.solve(&cut, &levels.labels, weights, spare)?;
+    Ok(CutState { levels, response, cut, solution })
 }
 
 /// The surface refined along the borders of labels, without a flow.

@@ -48,6 +48,11 @@ impl SavedProbe {
 }
 
 impl CutFlow {
+    /// Whether a saddle test is under way.
+    pub fn is_testing(&self) -> bool {
+        self.probe.is_some()
+    }
+
     /// Evaluates level sets whole.
     fn state_of(&mut self, levels: LevelSets) -> Result<CutState, SolveError> {
         // The spare solution becomes that of the state for good: what evaluates next makes one of its own.

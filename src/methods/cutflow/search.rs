@@ -44,7 +44,14 @@ impl CutFlow {
         scale: f64,
     ) -> Result<Option<(LevelSets, Cut, Solution)>, SolveError> {
         let mut levels = self.state.levels.clone();
-        self.state.response.apply(direction, scale, &mut levels.values);
+        if self.symmetric.is_empty() {
+            self.state.response.apply(direction, scale, &mut levels.values);
+        } else {
+            let mut moves = vec![0.0; levels.values.len()];
+            self.state.response.apply(direction, scale, &mut moves);
+            let moves = self.symmetric.average(&levels, &moves);
+            levels.values.iter_mut().zip(moves).for_each(|(value, by)| *value += by);
+        }
         let moved = scale * direction.iter().fold(0.0f64, |m, d| m.max(d.abs()));
         self.settle(levels, moved)
     }

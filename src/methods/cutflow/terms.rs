@@ -1,5 +1,8 @@
 //! The terms of the objective: what a cut pays for.
 
+use std::sync::Arc;
+
+use crate::geometry::SymmetryMap;
 use crate::methods::flow::SolveError;
 
 /// What is integrated of the log scale factor besides its gradient.
@@ -141,7 +144,7 @@ pub struct Energy {
 }
 
 /// What the flow reads on the surface besides its shape.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct CutFields {
     /// What drives u.
     pub source: Source,
@@ -149,6 +152,8 @@ pub struct CutFields {
     pub penalty: Vec<f64>,
     /// How far each vertex holds the cut beside it, from 0 (free) to 1 (still); empty for nowhere.
     pub pins: Vec<f64>,
+    /// The symmetries that the cut keeps: a group without the identity. Acts from a new start on.
+    pub symmetry: Arc<Vec<SymmetryMap>>,
 }
 
 impl CutFields {

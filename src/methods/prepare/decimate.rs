@@ -10,10 +10,10 @@ use std::collections::BinaryHeap;
 use nalgebra::{Point3, Vector3};
 
 use super::features::{Feature, feature_edges};
-use super::nearest::closest;
 use super::quadric::Quadric;
 use super::triangles::{Triangles, shape, turns_over, vector};
 use super::{Attributes, NONE, Prepared, Surface, Uv, check};
+use crate::geometry::closest;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 
 /// Options of [`DecimateFlow`].

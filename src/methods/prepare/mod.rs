@@ -19,7 +19,6 @@
 mod coarseness;
 mod decimate;
 mod features;
-mod nearest;
 mod quadric;
 mod remesh;
 mod subdivide;

@@ -112,6 +112,21 @@ impl Start {
         Self { labels, lost: Vec::new(), whole: Vec::new(), levels }
     }
 
+    /// Labels with the cut in the middle of edges.
+    pub(super) fn of_labels(labels: Vec<u32>) -> Self {
+        Self::new(labels, Levels::Middle)
+    }
+
+    /// Two regions by the sign of a function.
+    pub(super) fn of_levels(levels: Vec<f64>) -> Self {
+        two_regions(levels)
+    }
+
+    /// Labels with level sets for each vertex: those of the labels nearby, `entries[starts[v]..starts[v + 1]]`.
+    pub(super) fn of_entries(labels: Vec<u32>, starts: Vec<u32>, entries: Vec<(u32, f64)>) -> Self {
+        Self::new(labels, Levels::Label { starts, entries })
+    }
+
     /// φ_label at a vertex, negative for its own label: of the given function, or half an edge, which puts crossings at the
     /// middle of edges.
     pub(super) fn level(&self, v: VertexId, label: u32, mean_edge: f64) -> f64 {

@@ -24,7 +24,7 @@ use crate::linalg::Factor;
 use crate::mesh::{EdgeId, Mesh, VertexId};
 use crate::methods::flow::SolveError;
 use fields::{Distances, depths, extend};
-use prices::{has_own_adjoint, highest_price, hold};
+use prices::{has_own_adjoint, hold};
 use sides::{Fluxes, Sides};
 
 /// Trials of one step.
@@ -296,7 +296,7 @@ impl CutFlow {
     /// τ with which the fastest crossing moves by the cap, and the length step does not smooth too widely.
     fn longest_step(&self, survey: &Survey) -> f64 {
         let widest = WIDEST * self.mean_edge;
-        let by_length = widest * widest / highest_price(&self.problem, &self.weights).max(1e-300);
+        let by_length = widest * widest / self.weights.length.max(1e-300);
         (self.params.cap * self.mean_edge / survey.fastest.max(1e-300)).min(by_length)
     }
 
@@ -316,7 +316,7 @@ impl CutFlow {
             let mut distances = survey.distances.clone();
             let own = &self.state.levels.labels;
             distances.advect(own, &survey.extension, step);
-            if highest_price(&self.problem, &self.weights) > 0.0 {
+            if self.weights.length > 0.0 {
                 distances.shorten(&self.problem, &self.weights, step, &mut factor)?;
             }
             let mut levels = self.state.levels.clone();
@@ -387,7 +387,7 @@ mod tests {
     fn steps_of_the_papers_flow_never_raise_the_objective() {
         for (name, initial, weights, fall) in [
             ("sphere 16", equator(), [3.0, 0.0, 2.0], 0.7),
-            ("rounded_box", clusters(), [0.0, 3000.0, 2.0], 0.98),
+            ("rounded_box", clusters(), [0.0, 3000.0, 2.0], 0.97),
             ("wavy_vase", clusters(), [5.0, 1000.0, 2.0], 0.95),
         ] {
             let mut flow = flow(name, &initial, weights);

@@ -21,10 +21,9 @@ use std::collections::BinaryHeap;
 use nalgebra::{Point3, Vector3};
 
 use super::features::{Features, Place};
-use super::nearest::{Nearest, closest};
 use super::triangles::{Triangles, shape, turns_over, vector};
 use super::{NONE, Prepared, Surface, check};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Nearest, closest};
 use crate::mesh::FaceId;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 use given::{length_scales, split_parts};
@@ -122,6 +121,10 @@ pub struct RemeshFlow {
     parts: Vec<u32>,
     features: Features,
     nearest: Nearest,
+    /// For each face of the given surface the part that it belongs to.
+    face_parts: Vec<u32>,
+    /// Normals of the given surface, of the length of twice an area.
+    face_vectors: Vec<Vector3<f64>>,
     length: f64,
     /// Length wanted at the vertices of the given surface, in multiples of `length`; empty where it is 1 everywhere.
     given_scales: Vec<f64>,
@@ -179,7 +182,9 @@ impl RemeshFlow {
         let mut flow = Self {
             params: *params,
             places: features.places.clone(),
-            nearest: Nearest::new(&surface, face_parts),
+            nearest: Nearest::new(mesh, &surface.positions),
+            face_parts,
+            face_vectors: surface.face_vectors(),
             scales: given_scales.clone(),
             parts,
             features,
@@ -260,7 +265,8 @@ impl RemeshFlow {
         self.triangles.fans[v as usize].iter().map(|&f| vector(self.triangles.points(f))).sum()
     }
 
-    /// The nearest point of the given surface within a part, as place, weights and point.
+    /// The nearest point of the given surface within a part, on faces whose normals do not look away from `normal`, as place,
+    /// weights and point.
     fn project(
         &self,
         point: Point3<f64>,
@@ -269,11 +275,13 @@ impl RemeshFlow {
         hint: Place,
     ) -> Option<(Place, [f64; 3], Point3<f64>)> {
         let hint = match hint {
-            Place::Free(f) => f,
-            _ => NONE,
+            Place::Free(f) => Some(FaceId(f)),
+            _ => None,
         };
-        let hit = self.nearest.find(point, normal, part, hint)?;
-        Some((Place::Free(hit.face), hit.weights, hit.point))
+        let hit = self.nearest.find_among(point, hint, |f| {
+            self.face_parts[f.index()] == part && !(self.face_vectors[f.index()].dot(&normal) < 0.0)
+        })?;
+        Some((Place::Free(hit.face.0), hit.weights, hit.point))
     }
 
     /// The arc length of a vertex on a curve that it lies on or ends.

@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cutflow::session::{
-    Command, Document, Event, FlattenReport, InfoReport, Layout, Problem, Session, Settings, Value,
-    cut_from_json, settings_for, surface_layout,
+    Command, Document, Event, FlattenReport, InfoReport, Layout, Problem, Session, cut_from_json,
+    settings_for, surface_layout,
 };
 
 /// Prints a line. A reader that has gone away is no error: `cutflow info mesh.obj | head -1` is a good question.
@@ -17,6 +17,8 @@ macro_rules! say {
         let _ = writeln!(std::io::stdout(), $($text)*);
     }};
 }
+
+mod cut;
 
 /// Computes where to cut a curved surface so that its pieces flatten with little distortion.
 #[derive(Parser)]
@@ -51,7 +53,7 @@ enum Task {
     /// Divides a surface into other triangles and writes it as OBJ.
     Prepare(PrepareArgs),
     /// Moves a cut to lower the distortion of its pieces.
-    Cut(CutArgs),
+    Cut(cut::CutArgs),
     /// Flattens a mesh along a cut and measures the result.
     Flatten(FlattenArgs),
 }
@@ -92,86 +94,6 @@ struct PrepareArgs {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Init {
-    /// Two regions on either side of a plane.
-    Plane,
-    /// Two regions, inside and outside a geodesic circle.
-    Circle,
-    /// Many regions of similar normals.
-    Normals,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum EnergyKind {
-    /// Change of stretching, ∫|∇u|².
-    Dirichlet,
-    /// Amount of stretching, ∫u².
-    Hencky,
-}
-
-#[derive(Args)]
-struct CutArgs {
-    #[command(flatten)]
-    mesh: MeshArgs,
-    /// The initial cut.
-    #[arg(long, value_enum, default_value = "normals")]
-    init: Init,
-    /// The distortion to lower.
-    #[arg(long, value_enum, default_value = "hencky")]
-    energy: EnergyKind,
-    /// Its weight: 10 for Dirichlet, 3000 for Hencky if not given.
-    #[arg(long, value_name = "W")]
-    weight: Option<f64>,
-    /// Weight α of the cut's length, for unit area.
-    #[arg(long, value_name = "A", default_value_t = 2.0)]
-    length: f64,
-    /// Number of labels of normal clusters.
-    #[arg(long, value_name = "N")]
-    regions: Option<f64>,
-    /// Largest angle within a normal cluster, degrees.
-    #[arg(long, value_name = "DEG")]
-    angle: Option<f64>,
-    /// Axis that the plane is perpendicular to: x, y or z.
-    #[arg(long)]
-    axis: Option<String>,
-    /// Where the plane cuts its axis, percent from the middle.
-    #[arg(long, value_name = "PERCENT", allow_hyphen_values = true)]
-    offset: Option<f64>,
-    /// Centre vertex of the circle, counted from 0.
-    #[arg(long)]
-    vertex: Option<f64>,
-    /// Radius of the circle; 1 is the side of a square of the surface's area.
-    #[arg(long)]
-    radius: Option<f64>,
-    /// Steps at most; 0 evaluates the initial cut.
-    #[arg(long, default_value_t = 100)]
-    steps: usize,
-    /// Largest move of the cut in a step, mean edge lengths.
-    #[arg(long)]
-    cap: Option<f64>,
-    /// The run has converged when ten steps lower the energy by less than this fraction.
-    #[arg(long, default_value_t = 1e-5)]
-    tolerance: f64,
-    /// Initial disturbance, mean edge lengths.
-    #[arg(long)]
-    kick: Option<f64>,
-    /// Seed of the disturbance.
-    #[arg(long)]
-    seed: Option<f64>,
-    /// Longest side of the model in the pattern.
-    #[arg(long, value_name = "MM", conflicts_with = "unit")]
-    size_mm: Option<f64>,
-    /// What one unit of the file is: mm, cm, m or in.
-    #[arg(long)]
-    unit: Option<String>,
-    /// Folder for cut.json, uv.obj, cut.obj and pattern.svg.
-    #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
-    #[command(flatten)]
-    report: Report,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
 enum Method {
     /// Boundary first flattening with isometric rims.
     Bff,
@@ -199,7 +121,7 @@ fn main() -> ExitCode {
         Task::Info { mesh, report } => info(&mesh, &report),
         Task::Repair { mesh, only, output, report } => repair(&mesh, &only, &output, &report),
         Task::Prepare(args) => prepare(&args),
-        Task::Cut(args) => cut(&args),
+        Task::Cut(args) => cut::run(&args),
         Task::Flatten(args) => flatten(&args),
     };
     match result {
@@ -301,107 +223,6 @@ fn finish(
         Some(info) => tell_info(name, &info, report),
         None => Ok(()),
     }
-}
-
-/// The parameters that the options ask for.
-fn settings(args: &CutArgs, document: &Document) -> Result<Settings, Problem> {
-    // A sample's own initial cut gives way to what the options say, its size does not.
-    let mut settings = settings_for(document);
-    let init = match args.init {
-        Init::Plane => "plane",
-        Init::Circle => "circle",
-        Init::Normals => "normals",
-    };
-    let (dirichlet, hencky) = match args.energy {
-        EnergyKind::Dirichlet => (args.weight.unwrap_or(10.0), 0.0),
-        EnergyKind::Hencky => (0.0, args.weight.unwrap_or(3000.0)),
-    };
-    settings.set("init", Value::Text(init.into()))?;
-    if let Some(axis) = &args.axis {
-        settings.set("axis", Value::Text(axis.clone()))?;
-    }
-    for (id, value) in [
-        ("dirichlet", Some(dirichlet)),
-        ("hencky", Some(hencky)),
-        ("length", Some(args.length)),
-        ("tolerance", Some(args.tolerance)),
-        // 0 steps are none at all: the loop below does not begin.
-        ("steps", Some(args.steps.max(1) as f64)),
-        ("regions", args.regions),
-        ("angle", args.angle),
-        ("offset", args.offset),
-        ("vertex", args.vertex),
-        ("radius", args.radius),
-        ("cap", args.cap),
-        ("kick", args.kick),
-        ("seed", args.seed),
-        ("size", args.size_mm),
-    ] {
-        if let Some(value) = value {
-            settings.set(id, Value::Number(value))?;
-        }
-    }
-    Ok(settings)
-}
-
-fn cut(args: &CutArgs) -> Result<(), Problem> {
-    let mut session = Session::new();
-    let document = open(&args.mesh)?;
-    document.surface()?;
-    let settings = settings(args, &document)?;
-    tell(session.open_with(Ok(document), settings))?;
-    if let Some(unit) = &args.unit {
-        tell(session.handle(Command::SetUnit { id: unit.clone() }))?;
-    }
-    if let Some(folder) = &args.output {
-        make_folder(folder)?;
-    }
-    let clock = clock();
-    let is_quiet = writes_to_stdout(&args.report);
-    if args.steps > 0 {
-        tell(session.handle(Command::Run))?;
-    }
-    let mut last_shown = 0;
-    while session.is_running() {
-        let mut slices = 10;
-        tell(session.advance(&mut || {
-            slices -= 1;
-            slices > 0
-        }))?;
-        if let Some(row) = session.history().last()
-            && row.step >= last_shown + 10
-            && !is_quiet
-        {
-            last_shown = row.step;
-            say!("step {:4}  J {:10.4}  cut length {:8.4}", row.step, row.total, row.length);
-        }
-    }
-    let seconds = clock.elapsed().as_secs_f64();
-    let report = session.cut_report(Some(seconds))?;
-    if !is_quiet {
-        say!(
-            "{} after {} steps: {} patches, cut length {:.4}, Dirichlet {:.6}, Hencky {:.8}",
-            report.status,
-            report.steps,
-            report.patches.len(),
-            report.cut_length,
-            report.dirichlet,
-            report.hencky
-        );
-        print_flattening(&report.flattening);
-    }
-    warn_of_charts(session.layout()?);
-    if let Some(folder) = &args.output {
-        for (kind, name) in [
-            ("Cut (JSON)", "cut.json"),
-            ("UV mesh (OBJ)", "uv.obj"),
-            ("Cut curves (OBJ)", "cut.obj"),
-            ("Pattern (SVG)", "pattern.svg"),
-        ] {
-            write(&folder.join(name), &session.export(kind)?.bytes)?;
-        }
-    }
-    write_json(&args.report, &report)
 }
 
 fn flatten(args: &FlattenArgs) -> Result<(), Problem> {

@@ -1,0 +1,155 @@
+//! What a driver brings along for a surface: layers from files, seeds by number, a cut, a place to hide from.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "numbers are checked to be whole and in range; `as` saturates"
+)]
+
+use std::rc::Rc;
+
+use nalgebra::Point3;
+
+use super::cut_file::labels_from_json;
+use super::message::{Event, Value};
+use super::surface::Surface;
+use super::text::Problem;
+use super::work::Pending;
+use super::{Session, nothing_open};
+use crate::geometry::visibility;
+
+/// Something to bring, by the numbers and units of the file.
+#[derive(Clone, Copy, Debug)]
+pub enum Brought<'a> {
+    /// One number for each vertex of the file.
+    Layer {
+        /// What it is: `region penalty heat pin`.
+        channel: &'a str,
+        /// Labels, or amounts from 0 to 1.
+        values: &'a [f64],
+    },
+    /// Vertices that cells are drawn around.
+    Seeds(&'a [f64]),
+    /// The bytes of a `cut.json`.
+    Cut {
+        /// Its name, for errors.
+        name: &'a str,
+        /// Its content.
+        bytes: &'a [u8],
+    },
+    /// A place that cuts hide from.
+    Eye([f64; 3]),
+}
+
+impl Session {
+    /// Takes something in; the flow starts from it, or acts on it from the next step on.
+    pub fn bring(&mut self, what: Brought) -> Vec<Event> {
+        let mut events = Vec::new();
+        if let Err(problem) = self.bring_in(what, &mut events) {
+            self.refuse(problem, &mut events);
+        }
+        events
+    }
+
+    fn bring_in(&mut self, what: Brought, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let surface = work.document.surface()?;
+        let mut layers = work.layers.clone();
+        let (pending, init) = match what {
+            Brought::Layer { channel, values } => {
+                let values = of_vertices(surface, channel, values)?;
+                match channel {
+                    "region" => {
+                        layers.regions = Rc::new(values.iter().map(|&x| x as u32).collect());
+                        (Pending::Restart, Some("painted"))
+                    }
+                    _ => {
+                        let layer = match channel {
+                            "penalty" => &mut layers.penalty,
+                            "heat" => &mut layers.heat,
+                            _ => &mut layers.pin,
+                        };
+                        *layer = Rc::new(values);
+                        (Pending::Fields, None)
+                    }
+                }
+            }
+            Brought::Seeds(seeds) => {
+                let count = surface.soup.positions.len();
+                let vertices = seeds
+                    .iter()
+                    .map(|&x| {
+                        let whole = x >= 0.0 && x.fract().abs() <= 0.0;
+                        surface.mesh_vertex_from(x as usize).filter(|_| whole).ok_or_else(|| {
+                            Problem::new(
+                                format!("There is no vertex {x}: the mesh has {count}."),
+                                "Seeds.",
+                                format!("Choose numbers from 0 to {}.", count - 1),
+                            )
+                        })
+                    })
+                    .collect::<Result<_, _>>()?;
+                layers.seeds = Rc::new(vertices);
+                (Pending::Restart, Some("seeds"))
+            }
+            Brought::Cut { name, bytes } => {
+                layers.brought = Rc::new(labels_from_json(surface, name, bytes)?);
+                (Pending::Restart, Some("file"))
+            }
+            Brought::Eye(place) => {
+                let eye = (Point3::from(place) - surface.frame.centre) * surface.frame.scale;
+                layers.penalty =
+                    Rc::new(visibility(&surface.mesh, &surface.geometry, Point3::from(eye)));
+                (Pending::Fields, None)
+            }
+        };
+        let Some(work) = &mut self.work else { return Ok(()) };
+        work.layers = layers;
+        work.pending = work.pending.max(pending);
+        if let Some(init) = init {
+            work.settings.put("init", Value::Text(init.into()));
+        }
+        // Before anything else is asked for, so that errors come here.
+        self.catch_up(events)?;
+        events.push(self.parameters());
+        events.push(self.presets());
+        events.push(self.paint_channels());
+        self.settle(events);
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+}
+
+/// Numbers of the file's vertices at the mesh's.
+fn of_vertices(surface: &Surface, channel: &str, values: &[f64]) -> Result<Vec<f64>, Problem> {
+    let most = match channel {
+        "region" => 255.0,
+        "penalty" | "heat" | "pin" => 1.0,
+        _ => {
+            return Err(Problem::new(
+                format!("“{channel}” cannot be painted."),
+                "Layers.",
+                "Choose one of region, penalty, heat, pin.",
+            ));
+        }
+    };
+    let place = || format!("{}, layer {channel}.", surface.name);
+    let count = surface.soup.positions.len();
+    if values.len() != count {
+        return Err(Problem::new(
+            format!("There are {} numbers for {count} vertices.", values.len()),
+            place(),
+            "Write one number for each vertex of the file, in its order.",
+        ));
+    }
+    let is_fine = |x: f64| x >= 0.0 && x <= most && (channel != "region" || x.fract().abs() <= 0.0);
+    if let Some((v, x)) = values.iter().enumerate().find(|(_, x)| !is_fine(**x)) {
+        return Err(Problem::new(
+            format!("{x} is out of range at vertex {v}."),
+            place(),
+            format!("Choose numbers from 0 to {most}."),
+        ));
+    }
+    Ok(surface.soup_vertices.iter().map(|&v| values[v as usize]).collect())
+}

@@ -1,0 +1,370 @@
+//! The brush: regions, seeds, penalties, heat and pins that a person paints on the surface.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "labels are checked to be whole and small; `as` saturates"
+)]
+
+use std::rc::Rc;
+
+use nalgebra::{Point3, Vector3};
+
+use super::inputs::Layers;
+use super::message::{Event, PaintChannel, Value};
+use super::surface::Surface;
+use super::text::Problem;
+use super::work::Pending;
+use super::{Session, nothing_open, presets};
+use crate::geometry::visibility;
+use crate::mesh::{FaceId, VertexId};
+
+/// Largest label that can be painted.
+const MOST_LABELS: f64 = 255.0;
+
+/// Identifier, label, kind and help of everything that can be painted.
+const CHANNELS: [[&str; 4]; 5] = [
+    [
+        "region",
+        "Regions",
+        "label",
+        "Regions that the cut starts between. The first stroke goes on from the cut that is there.",
+    ],
+    [
+        "seed",
+        "Seeds",
+        "place",
+        "Every click sets a seed; the cut starts between the cells around them.",
+    ],
+    ["penalty", "Hide", "amount", "Cuts avoid what is painted: faces, logos, what is in sight."],
+    ["heat", "Heat", "amount", "Where more heat has to be led away: the cut gets denser there."],
+    ["pin", "Pin", "amount", "The cut stays where it is."],
+];
+
+impl Session {
+    pub(super) fn paint_channels(&self) -> Event {
+        let layers = self.work.as_ref().map(|work| work.layers.clone()).unwrap_or_default();
+        let options = CHANNELS.map(|[id, label, kind, help]| PaintChannel {
+            id: id.into(),
+            label: label.into(),
+            help: help.into(),
+            kind,
+            is_empty: match id {
+                "region" => layers.regions.is_empty(),
+                "seed" => layers.seeds.is_empty(),
+                "penalty" => layers.penalty.is_empty(),
+                "heat" => layers.heat.is_empty(),
+                _ => layers.pin.is_empty(),
+            },
+        });
+        Event::PaintChannels { options: options.into() }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of one command")]
+    pub(super) fn paint(
+        &mut self,
+        channel: &str,
+        face: u32,
+        place: [f64; 3],
+        radius: f64,
+        value: f64,
+        begins: bool,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let label = known(channel)?;
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let surface = work.document.surface()?;
+        let dab = Dab::new(surface, face, place, radius)?;
+        let most = if channel == "region" { MOST_LABELS } else { 1.0 };
+        if !(value >= 0.0 && value <= most) {
+            return Err(Problem::new(
+                format!("{value} cannot be painted."),
+                format!("Brush, {label}."),
+                format!("Choose a value from 0 to {most}."),
+            ));
+        }
+        let mut layers = work.layers.clone();
+        let count = surface.mesh.vertex_count();
+        let pending = match channel {
+            "region" => {
+                if layers.regions.is_empty() || work.settings.text("init") != "painted" {
+                    layers.regions = Rc::new(work.labels());
+                }
+                let regions = Rc::make_mut(&mut layers.regions);
+                for (v, _) in dab.vertices(surface) {
+                    regions[v.index()] = value as u32;
+                }
+                Pending::Restart
+            }
+            "seed" => {
+                let seeds = Rc::make_mut(&mut layers.seeds);
+                if value > 0.0 {
+                    let nearest = dab.nearest(surface);
+                    if !seeds.contains(&nearest) {
+                        seeds.push(nearest);
+                    }
+                } else {
+                    let at =
+                        |v: &VertexId| (surface.geometry.positions[v.index()] - dab.place).norm();
+                    let closest =
+                        (0..seeds.len()).min_by(|&a, &b| at(&seeds[a]).total_cmp(&at(&seeds[b])));
+                    if let Some(i) = closest {
+                        seeds.remove(i);
+                    }
+                }
+                if seeds.is_empty() { Pending::None } else { Pending::Restart }
+            }
+            _ => {
+                let layer = layers.amounts(channel);
+                let amounts = Rc::make_mut(layer);
+                amounts.resize(count, 0.0);
+                for (v, weight) in dab.vertices(surface) {
+                    let x = &mut amounts[v.index()];
+                    *x = if value > 0.0 { x.max(value * weight) } else { x.min(1.0 - weight) };
+                }
+                if amounts.iter().all(|x| *x <= 0.0) {
+                    layer_clear(layer);
+                }
+                Pending::Fields
+            }
+        };
+        if begins {
+            self.remember(&format!("paint {}", label.to_lowercase()), "paint");
+        }
+        self.put_layers(channel, layers, pending, events);
+        Ok(())
+    }
+
+    pub(super) fn clear_paint(
+        &mut self,
+        channel: &str,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let label = known(channel)?;
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let mut layers = work.layers.clone();
+        let pending = match channel {
+            "region" => {
+                layers.regions = Rc::default();
+                Pending::None
+            }
+            "seed" => {
+                layers.seeds = Rc::default();
+                Pending::None
+            }
+            _ => {
+                layer_clear(layers.amounts(channel));
+                Pending::Fields
+            }
+        };
+        self.remember(&format!("clear {}", label.to_lowercase()), "clear");
+        self.put_layers("", layers, pending, events);
+        Ok(())
+    }
+
+    pub(super) fn place_circle(
+        &mut self,
+        face: u32,
+        place: [f64; 3],
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let surface = work.document.surface()?;
+        let nearest = Dab::new(surface, face, place, 1.0)?.nearest(surface);
+        let mut settings = work.settings.clone();
+        settings.set("init", Value::Text("circle".into()))?;
+        let vertex = f64::from(surface.soup_vertices[nearest.index()]);
+        settings.set("vertex", Value::Number(vertex))?;
+        self.apply("vertex", settings, super::Effect::Restart, events)
+    }
+
+    pub(super) fn hide_from_camera(
+        &mut self,
+        eye: [f64; 3],
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let surface = work.document.surface()?;
+        if !eye.iter().all(|x| x.is_finite()) {
+            return Err(Problem::new(
+                "The camera is nowhere.",
+                "Hide seams from here.",
+                "Fit the surface into its view and try again.",
+            ));
+        }
+        let eye = Point3::from(Vector3::from(eye) * surface.radius());
+        let mut layers = work.layers.clone();
+        layers.penalty = Rc::new(visibility(&surface.mesh, &surface.geometry, eye));
+        self.remember("hide seams from the camera", "hide");
+        self.put_layers("penalty", layers, Pending::Fields, events);
+        Ok(())
+    }
+
+    /// Puts painted layers in force, and the parameters that they need.
+    fn put_layers(
+        &mut self,
+        channel: &str,
+        layers: Layers,
+        pending: Pending,
+        events: &mut Vec<Event>,
+    ) {
+        let Some(work) = &mut self.work else { return };
+        work.layers = layers;
+        work.pending = work.pending.max(pending);
+        let before = work.settings.clone();
+        let wanted = match channel {
+            "region" => Some(("init", "painted")),
+            "seed" => Some(("init", "seeds")),
+            "heat" => Some(("source", "heat")),
+            _ => None,
+        };
+        if let Some((id, text)) = wanted {
+            work.settings.put(id, Value::Text(text.into()));
+        }
+        if channel == "penalty" && work.settings.number("eta") <= 0.0 {
+            work.settings.put("eta", Value::Number(6.0));
+        }
+        if work.settings != before {
+            events.push(self.parameters());
+            events.push(self.presets());
+        }
+        self.scene_is_new = true;
+        events.push(self.paint_channels());
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+    }
+
+    /// Brings the flow up to what was painted.
+    pub(super) fn catch_up(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Ok(()) };
+        match std::mem::take(&mut work.pending) {
+            Pending::None => {}
+            Pending::Restart => {
+                let flow = work.new_flow(None)?;
+                work.begin(flow);
+            }
+            Pending::Fields => {
+                let fields = work.fields();
+                let params = work.settings.flow_params();
+                let name = work.document.name.clone();
+                let wrong = |error| Problem::solve(&name, &error);
+                if let Some(flow) = &mut work.flow {
+                    flow.set_params(params).map_err(wrong)?;
+                    flow.set_fields(&fields).map_err(wrong)?;
+                    work.remeasure();
+                }
+            }
+        }
+        self.scene_is_new = true;
+        self.push_energy(events);
+        events.extend(self.work.as_ref().map(super::work::Work::measures));
+        Ok(())
+    }
+
+    pub(super) fn presets(&self) -> Event {
+        presets::event(self.work.as_ref().map(|work| &work.settings))
+    }
+
+    pub(super) fn apply_preset(
+        &mut self,
+        id: &str,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let label = presets::label(id)?;
+        let settings = work.settings.with_preset(id)?;
+        self.apply(&format!("preset {label}"), settings, super::Effect::Restart, events)
+    }
+}
+
+impl Layers {
+    /// The layer of an amount.
+    fn amounts(&mut self, channel: &str) -> &mut Rc<Vec<f64>> {
+        match channel {
+            "penalty" => &mut self.penalty,
+            "heat" => &mut self.heat,
+            _ => &mut self.pin,
+        }
+    }
+}
+
+fn layer_clear(layer: &mut Rc<Vec<f64>>) {
+    *layer = Rc::default();
+}
+
+/// The label of a channel. **Fails** if there is none of that name.
+fn known(channel: &str) -> Result<&'static str, Problem> {
+    CHANNELS.iter().find(|c| c[0] == channel).map(|c| c[1]).ok_or_else(|| {
+        Problem::new(
+            format!("“{channel}” cannot be painted."),
+            "Brush.",
+            format!("Choose one of {}.", CHANNELS.map(|c| c[0]).join(", ")),
+        )
+    })
+}
+
+/// A place on the surface and what is near it.
+struct Dab {
+    face: FaceId,
+    place: Point3<f64>,
+    radius: f64,
+}
+
+impl Dab {
+    /// **Takes** a place and a radius in the frame of the scene.
+    fn new(surface: &Surface, face: u32, place: [f64; 3], radius: f64) -> Result<Self, Problem> {
+        let scale = surface.radius();
+        let is_there = (face as usize) < surface.mesh.face_count()
+            && place.iter().all(|x| x.is_finite())
+            && radius > 0.0
+            && radius.is_finite();
+        if !is_there {
+            return Err(Problem::new(
+                "There is no such place on the surface.",
+                format!("{}, face {face}.", surface.name),
+                "Point at the surface.",
+            ));
+        }
+        let place = Point3::from(Vector3::from(place) * scale);
+        Ok(Self { face: FaceId(face), place, radius: radius * scale })
+    }
+
+    /// The corner of the face next to the place.
+    fn nearest(&self, surface: &Surface) -> VertexId {
+        let distance = |v: &VertexId| (surface.geometry.positions[v.index()] - self.place).norm();
+        let [a, b, c] = surface.mesh.face_vertices(self.face);
+        [b, c].into_iter().fold(a, |x, y| if distance(&y) < distance(&x) { y } else { x })
+    }
+
+    /// The vertices that the brush reaches along the surface, with its strength there: 1 in the middle, 0 at the rim. Where it is
+    /// smaller than a face, the nearest vertex.
+    fn vertices(&self, surface: &Surface) -> Vec<(VertexId, f64)> {
+        let weight = |v: VertexId| {
+            let d = (surface.geometry.positions[v.index()] - self.place).norm() / self.radius;
+            // Flat within half the radius: a dab covers.
+            (1.0 - ((d - 0.5) / 0.5).max(0.0).powi(2)).max(0.0)
+        };
+        let mut seen = vec![false; surface.mesh.vertex_count()];
+        let mut queue: Vec<VertexId> = surface.mesh.face_vertices(self.face).into();
+        let mut reached = Vec::new();
+        queue.iter().for_each(|v| seen[v.index()] = true);
+        while let Some(v) = queue.pop() {
+            let w = weight(v);
+            if w <= 0.0 {
+                continue;
+            }
+            reached.push((v, w));
+            for h in surface.mesh.outgoing(v) {
+                let next = surface.mesh.tip(h);
+                if !std::mem::replace(&mut seen[next.index()], true) {
+                    queue.push(next);
+                }
+            }
+        }
+        if reached.is_empty() {
+            reached.push((self.nearest(surface), 1.0));
+        }
+        reached
+    }
+}
