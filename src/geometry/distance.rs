@@ -19,18 +19,24 @@ struct Distance(u64);
 /// distance minus that error. **Costs** O(V log V). **From** [KS98]; obtuse triangles are not unfolded, edges bound their error.
 pub fn geodesic_distances(mesh: &Mesh, geometry: &Geometry, sources: &[VertexId]) -> Vec<f64> {
     let sources: Vec<(VertexId, f64)> = sources.iter().map(|&v| (v, 0.0)).collect();
-    geodesic_distances_from(mesh, geometry, &sources)
+    let mut front = GeodesicFront::new(mesh.vertex_count());
+    front.spread(mesh, geometry, &sources, |_, _| true);
+    front.distances
 }
 
 /// Distance of every vertex from where the sources have the given distances already; sources keep theirs.
 ///
-/// **Takes** finite distances, none negative. **See** [`geodesic_distances`].
+/// Triangles are crossed by straight fronts, as they leave a curve, where [`geodesic_distances`] has circles around a point: a
+/// circle through two points that are closer to its centre than half their distance does not exist.
+///
+/// **Takes** finite distances, none negative.
 pub fn geodesic_distances_from(
     mesh: &Mesh,
     geometry: &Geometry,
     sources: &[(VertexId, f64)],
 ) -> Vec<f64> {
     let mut front = GeodesicFront::new(mesh.vertex_count());
+    front.wave = straight_front;
     front.spread(mesh, geometry, sources, |_, _| true);
     front.distances
 }
@@ -43,6 +49,8 @@ pub struct GeodesicFront {
     given: Vec<bool>,
     reached: Vec<VertexId>,
     queue: BinaryHeap<Reverse<(Distance, VertexId)>>,
+    /// Arrival at the apex of a triangle, from distances at the base, the base and the sides.
+    wave: fn(f64, f64, f64, f64, f64) -> Option<f64>,
 }
 
 impl GeodesicFront {
@@ -54,6 +62,7 @@ impl GeodesicFront {
             given: vec![false; vertex_count],
             reached: Vec::new(),
             queue: BinaryHeap::new(),
+            wave: plane_wave,
         }
     }
 
@@ -82,7 +91,7 @@ impl GeodesicFront {
             self.fixed[v.index()] = false;
             self.given[v.index()] = false;
         }
-        let Self { distances, fixed, given, reached, queue } = self;
+        let Self { distances, fixed, given, reached, queue, wave } = self;
         for &(v, distance) in sources {
             given[v.index()] = true;
             distances[v.index()] = distance;
@@ -116,7 +125,7 @@ impl GeodesicFront {
                         continue;
                     }
                     let (a, b) = (distances[v.index()], distances[from.index()]);
-                    if let Some(distance) = plane_wave(a, b, base, side_v, side_from)
+                    if let Some(distance) = wave(a, b, base, side_v, side_from)
                         && distance < distances[to.index()]
                     {
                         distances[to.index()] = distance;
@@ -146,5 +155,20 @@ fn plane_wave(a: f64, b: f64, base: f64, side_a: f64, side_b: f64) -> Option<f64
         return None;
     }
     let arrival = ((x - source_x).powi(2) + (y - source_y).powi(2)).sqrt();
+    arrival.is_finite().then_some(arrival)
+}
+
+/// The same for a front that is a straight line.
+fn straight_front(a: f64, b: f64, base: f64, side_a: f64, side_b: f64) -> Option<f64> {
+    let x = (side_a * side_a - side_b * side_b + base * base) / (2.0 * base);
+    let y = (side_a * side_a - x * x).max(0.0).sqrt();
+    let along = (b - a) / base;
+    let across = (1.0 - along * along).max(0.0).sqrt();
+    // Where the ray to the apex crosses the base, times `across`.
+    let crossing = x * across - y * along;
+    if !(crossing >= 0.0 && crossing <= base * across) {
+        return None;
+    }
+    let arrival = a + along * x + across * y;
     arrival.is_finite().then_some(arrival)
 }

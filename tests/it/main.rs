@@ -17,6 +17,7 @@ mod golden;
 mod measuring;
 mod mutation;
 mod opening;
+mod paper;
 mod patterns;
 mod preparing;
 mod reading;

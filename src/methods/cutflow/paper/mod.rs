@@ -24,7 +24,7 @@ use crate::linalg::Factor;
 use crate::mesh::{EdgeId, Mesh, VertexId};
 use crate::methods::flow::SolveError;
 use fields::{Distances, depths, extend};
-use prices::{has_own_adjoint, hold};
+use prices::{has_own_adjoint, highest_price, hold};
 use sides::{Fluxes, Sides};
 
 /// Trials of one step.
@@ -296,7 +296,7 @@ impl CutFlow {
     /// τ with which the fastest crossing moves by the cap, and the length step does not smooth too widely.
     fn longest_step(&self, survey: &Survey) -> f64 {
         let widest = WIDEST * self.mean_edge;
-        let by_length = widest * widest / self.weights.length.max(1e-300);
+        let by_length = widest * widest / highest_price(&self.problem, &self.weights).max(1e-300);
         (self.params.cap * self.mean_edge / survey.fastest.max(1e-300)).min(by_length)
     }
 
@@ -316,7 +316,7 @@ impl CutFlow {
             let mut distances = survey.distances.clone();
             let own = &self.state.levels.labels;
             distances.advect(own, &survey.extension, step);
-            if self.weights.length > 0.0 {
+            if highest_price(&self.problem, &self.weights) > 0.0 {
                 distances.shorten(&self.problem, &self.weights, step, &mut factor)?;
             }
             let mut levels = self.state.levels.clone();

@@ -33,6 +33,11 @@ pub(super) fn length_price(problem: &Problem, weights: &Weights, f: FaceId) -> f
     weights.length + weights.penalty * mean
 }
 
+/// The highest price of a unit of cut.
+pub(super) fn highest_price(problem: &Problem, weights: &Weights) -> f64 {
+    weights.length + weights.penalty * problem.penalty.iter().fold(0.0f64, |m, eta| m.max(*eta))
+}
+
 /// How that price changes from place to place, in the face's frame.
 pub(super) fn price_slope(problem: &Problem, weights: &Weights, f: FaceId) -> Vector2<f64> {
     let Some(eta) = penalties(problem, weights, f) else { return Vector2::zeros() };
