@@ -83,7 +83,8 @@ impl<'a> Painted<'a> {
 
     /// Whether each patch has values of its own: then points on cuts take those of their own side.
     fn is_sided(&self) -> bool {
-        ["flux", "velocity", "extension", "moved", "level", "redistanced"].contains(&self.id)
+        let sided = ["regions", "flux", "velocity", "extension", "moved", "level", "redistanced"];
+        sided.contains(&self.id)
     }
 }
 
@@ -250,20 +251,24 @@ fn on_opened(surface: &Surface, layout: &Layout, painted: Painted) -> Vec<f64> {
         opened.vertex_points.iter().map(|&p| linear(layout.cut.points[p as usize])).collect();
     if painted.is_sided() {
         let is_level = ["level", "moved", "redistanced"].contains(&painted.id);
+        let is_label = painted.id == "regions";
         // The mean of the neighbours that are vertices of the mesh: they lie on the own side.
         for v in opened.mesh.vertices().filter(|v| opened.vertex_points[v.index()] as usize >= own)
         {
-            let (mut sum, mut count) = (0.0, 0.0);
+            let (mut sum, mut count, mut last) = (0.0, 0.0, 0.0);
             for h in opened.mesh.outgoing(v) {
                 let point = opened.vertex_points[opened.mesh.tip(h).index()] as usize;
                 if point < own && values[point].is_finite() {
                     sum += values[point];
                     count += 1.0;
+                    last = values[point];
                 }
             }
             result[v.index()] = match painted.id {
                 // Level sets vanish on the cut that they belong to.
                 "level" => 0.0,
+                // There are no labels between labels.
+                _ if is_label => last,
                 _ if is_level || count > 0.0 => sum / f64::max(count, 1.0),
                 _ => f64::NAN,
             };

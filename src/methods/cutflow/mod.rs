@@ -272,7 +272,11 @@ impl CutFlow {
         }
         let is_new = !weights.measures_like(&self.weights);
         self.weights = weights;
-        if is_new { self.measure_anew() } else { Ok(self.weigh_anew()) }
+        if is_new {
+            return self.measure_anew();
+        }
+        self.weigh_anew();
+        Ok(())
     }
 
     /// Changes sources, penalties and pins between steps, as [`CutFlow::set_params`] does options.
