@@ -136,6 +136,49 @@ fn import_speeds() -> Vec<Row> {
         .collect()
 }
 
+/// Steps until 99 % of the whole decrease, from the equator of a sphere, with and without a coarse surface.
+fn steps_to_the_end() -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (frequency, [dirichlet, hencky], coarse_to_fine, limit) in [
+        (16, [3.0, 0.0], false, 25.0),
+        (32, [10.0, 0.0], false, 45.0),
+        (32, [0.0, 3000.0], false, 45.0),
+        (32, [10.0, 0.0], true, 15.0),
+        (32, [0.0, 3000.0], true, 15.0),
+    ] {
+        let (mesh, geometry) = sphere(frequency);
+        let vertices = mesh.vertex_count();
+        let plane = Initial::Plane { point: Point3::origin(), normal: Vector3::z() };
+        let params = CutFlowParams { coarse_to_fine, ..params(dirichlet, hencky) };
+        let mut flow = CutFlow::new(mesh, geometry, &plane, params).expect("a sphere can be cut");
+        let mut totals = vec![flow.state().energy().total];
+        while totals.len() <= 120 && flow.step().expect("as above").status == Status::Running {
+            totals.push(flow.state().energy().total);
+        }
+        let (first, last) = (totals[0], totals[totals.len() - 1]);
+        let goal = last + 0.01 * (first - last);
+        let steps = totals.iter().position(|j| *j <= goal).unwrap_or(totals.len());
+        let how = if coarse_to_fine { ", coarse to fine" } else { "" };
+        rows.push(Row {
+            name: format!("steps to 99 %, {vertices} vertices, w_D {dirichlet}, w_H {hencky}{how}"),
+            value: steps as f64,
+            unit: "steps",
+            limit: Some(limit),
+        });
+        rows.push(Row {
+            name: format!("its J at the end{how}"),
+            value: last,
+            unit: "",
+            limit: Some(match (frequency, hencky > 0.0) {
+                (16, _) => 10.65,
+                (_, false) => 15.6,
+                (_, true) => 15.5,
+            }),
+        });
+    }
+    rows
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let is_quick = arguments.iter().any(|a| a == "--quick");
@@ -157,8 +200,8 @@ fn main() {
         let plane = Initial::Plane { point: Point3::origin(), normal: Vector3::z() };
         let clusters = Initial::NormalClusters { angle: 45f64.to_radians(), regions: 10 };
         for (name, initial, weights, limit) in [
-            ("two regions", plane, params(10.0, 0.0), 4.0),
-            ("many patches", clusters, params(0.0, 3000.0), 7.0),
+            ("two regions", plane, params(10.0, 0.0), 2.5),
+            ("many patches", clusters, params(0.0, 3000.0), 4.5),
         ] {
             let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &initial, weights)
                 .expect("the sphere can be cut");
@@ -174,6 +217,8 @@ fn main() {
             });
         }
     }
+
+    rows.extend(steps_to_the_end());
 
     let (mesh, geometry) = sphere(32);
     let plane = Initial::Plane { point: Point3::origin(), normal: Vector3::z() };
