@@ -10,6 +10,9 @@ const TRUSTED_MS = 10_000;
 const KNOWN = 6;
 /** Commands after which the mesh is another one. */
 const CHANGES = ["repair", "repair_all", "prepare"];
+/** Commands that put something on the surface by hand, and how many of them are remembered for a restart. */
+const HANDWORK = ["paint", "clear_paint", "hide_from_camera", "set_symmetry"];
+const STROKES = 5000;
 
 export class EngineClient {
   #on;
@@ -150,6 +153,7 @@ export class EngineClient {
         const { resolve, cause } = this.#waiting.get(message.id);
         this.#waiting.delete(message.id);
         this.#report(message.events, 0, cause);
+        this.#keep(message.events, cause);
         resolve(message);
         break;
       }
@@ -175,6 +179,14 @@ export class EngineClient {
     this.#on.events(events, spent);
   }
 
+  /** Remembers what was painted. Which strokes Undo took back is the engine's knowledge: after it none are told again. */
+  #keep(events, cause) {
+    const mesh = this.#meshes[this.#at];
+    if (!mesh || !cause || events.some(({ type }) => type === "error")) return;
+    if (cause.type === "undo" || cause.type === "redo") mesh.handwork = [];
+    if (HANDWORK.includes(cause.type)) mesh.handwork = [...mesh.handwork, cause].slice(-STROKES);
+  }
+
   /** Keeps account of which mesh is open, one entry for each that Undo and Redo pass through. */
   #follow(cause) {
     if (!cause || cause.isReplay) return;
@@ -183,8 +195,8 @@ export class EngineClient {
     const now = this.#meshes[this.#at];
     const made =
       cause.type === "open"
-        ? { source: cause.source, changes: [] }
-        : now && CHANGES.includes(cause.type) && { source: now.source, changes: [...now.changes, cause] };
+        ? { source: cause.source, changes: [], handwork: [] }
+        : now && CHANGES.includes(cause.type) && { source: now.source, changes: [...now.changes, cause], handwork: [] };
     if (!made) return;
     this.#meshes.splice(this.#at + 1, Infinity, made);
     if (this.#meshes.length > KNOWN) this.#meshes.shift();
@@ -243,16 +255,18 @@ export class EngineClient {
       return;
     }
     // The new engine knows no way back from here.
-    [this.#meshes, this.#at] = [[{ source: mesh.source, changes: isFirst ? mesh.changes : [] }], 0];
+    [this.#meshes, this.#at] = [[{ source: mesh.source, changes: isFirst ? mesh.changes : [], handwork: [] }], 0];
     await this.#open(mesh.source, true);
-    if (isFirst) await this.#replay(mesh.changes, values, size);
+    if (isFirst) await this.#replay(mesh, values, size);
   }
 
-  async #replay(changes, values, size) {
+  async #replay({ changes, handwork }, values, size) {
     for (const command of changes) {
       await this.#request({ type: "command", command }, [], { ...command, isReplay: true });
       if (this.#preparing) await new Promise((resolve) => this.#rested.push(resolve));
     }
+    // Layers first: parameters may ask for what was painted.
+    for (const command of handwork) await this.command(command);
     for (const [id, value] of Object.entries(values)) {
       if (this.#values[id] !== value) await this.command({ type: "set_parameter", id, value });
     }

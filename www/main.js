@@ -48,6 +48,8 @@ const now = {
   fields: { current: "pieces", options: [] },
   rows: [],
   pattern: null,
+  /** What the engine says of the cut as a whole. */
+  note: null,
   scene: null,
   samples: { options: [], current: null },
   /** Numbers of the stages of the next step, for Learn: the last `stages` event. */
@@ -215,6 +217,8 @@ const handlers = {
   measures(event) {
     now.rows = event.rows;
     now.pattern = event.pattern ?? null;
+    if (event.note && event.note !== now.note) say(event.note);
+    now.note = event.note ?? null;
     measures.show(event.rows);
     pieces.show(event.pieces);
     updateLegends();

@@ -56,12 +56,6 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   const opened = (name) => page.until(`${name} is open`, () => browser.page.title(), (title) => title.endsWith(name));
   const pressed = (name) => button(name).getAttribute("aria-pressed");
   const number = (label) => browser.page.locator("#settings").getByLabel(label, { exact: true });
-  /** Whether the engine offers something; a test of what it does not offer is skipped and says so. */
-  async function offered(t, locator, what) {
-    if (await locator.isVisible()) return true;
-    t.skip(`the engine offers no ${what}`);
-    return false;
-  }
   async function picture() {
     await browser.page.mouse.move(5, 5);
     await browser.page.locator("#toast").waitFor({ state: "hidden" });
@@ -104,7 +98,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   });
 
   it("sets several parameters with a preset, two clicks from anywhere", async (t) => {
-    if (!(await offered(t, group("Presets"), "presets"))) return;
+    await group("Presets").first().waitFor();
     const values = () => browser.page.locator("#settings :is(input, select)").evaluateAll((all) => all.map((one) => (one.type === "checkbox" ? one.checked : one.value)).join());
     const start = await values();
     await browser.page.getByLabel("Sample", { exact: true }).selectOption("ball");
@@ -126,7 +120,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   });
 
   it("reaches the presets with the keyboard", async (t) => {
-    if (!(await offered(t, group("Presets"), "presets"))) return;
+    await group("Presets").first().waitFor();
     await button("Plush").focus();
     await forget();
     await browser.page.keyboard.press("ArrowLeft");
@@ -137,7 +131,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   });
 
   it("paints with the brush along the drag, without gaps", async (t) => {
-    if (!(await offered(t, button("Brush"), "channels to paint"))) return;
+    await button("Brush").first().waitFor();
     const kept = await overlay();
     await button("Brush").click();
     const tools = group("Brush tools");
@@ -173,7 +167,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   });
 
   it("has keys for the brush, and turns the surface with the other button", async (t) => {
-    if (!(await offered(t, button("Brush"), "channels to paint"))) return;
+    await button("Brush").first().waitFor();
     await page.canvas("Surface view").focus();
     await browser.page.keyboard.press("b");
     const tools = group("Brush tools");
@@ -207,7 +201,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   });
 
   it("starts a patch where somebody clicks", async (t) => {
-    if (!(await offered(t, button("Brush"), "channels to paint"))) return;
+    await button("Brush").first().waitFor();
     await button("Brush").click();
     await button("Circle start").click();
     await forget();
@@ -222,7 +216,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   });
 
   it("hides seams from where one looks", async (t) => {
-    if (!(await offered(t, button("Hide seams from here"), "penalty"))) return;
+    await button("Hide seams from here").first().waitFor();
     await forget();
     await button("Hide seams from here").click();
     const [{ eye }] = await page.until("the eye is sent", () => sent("hide_from_camera"), (list) => list.length === 1);
@@ -235,7 +229,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
 
   it("lists the symmetries of the surface, and says where there are none", async (t) => {
     const section = browser.page.locator("#settings details", { has: browser.page.locator(".symmetry") });
-    if (!(await offered(t, section, "symmetries"))) return;
+    await section.first().waitFor();
     if (!(await section.evaluate((node) => node.open))) await section.locator("summary").click();
     const find = () => section.getByRole("button", { name: /^(Find symmetries|Search again)$/ });
     await find().click();
@@ -255,7 +249,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   });
 
   it("folds the surface from its flat pieces, and ends that with the same button", async (t) => {
-    if (!(await offered(t, group("Presets"), "fold preview, as it offers no presets"))) return;
+    await group("Presets").first().waitFor();
     await button("Fold preview").click();
     await page.until("the preview is on", () => pressed("Fold preview"), (state) => state === "true");
     const legend = browser.page.locator(".surface .legend");

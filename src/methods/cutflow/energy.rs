@@ -38,6 +38,8 @@ pub(super) struct Problem {
     /// Vertices of closed components that the initial cut leaves whole: they take no part.
     inert: Vec<bool>,
     face_components: Vec<u32>,
+    /// Number of the components that they form.
+    pub resting: usize,
     /// Components that a cut must not leave whole: closed, and not inert.
     needs_cut: Vec<bool>,
 }
@@ -88,6 +90,7 @@ impl Problem {
             base_rhs: Vec::new(),
             is_boundary,
             inert,
+            resting: 0,
             face_components: topology.face_components,
             needs_cut,
         };
@@ -154,6 +157,7 @@ impl Problem {
     /// anywhere.
     pub fn rest_uncut_components(&mut self, cut: &Cut) {
         let uncut = self.uncut_components(cut);
+        self.resting = uncut.iter().filter(|uncut| **uncut).count();
         for f in self.mesh.faces().filter(|f| uncut[self.face_components[f.index()] as usize]) {
             for h in self.mesh.face_halfedges(f) {
                 self.base_values[self.edge_slots[h.edge().index()] as usize] = 0.0;

@@ -222,6 +222,11 @@ impl CutFlow {
         &self.problem.mesh
     }
 
+    /// Number of closed components that the initial cut left whole: they take no part.
+    pub fn resting_components(&self) -> usize {
+        self.problem.resting
+    }
+
     /// Where its vertices lie.
     pub fn positions(&self) -> &[Point3<f64>] {
         &self.problem.geometry.positions
