@@ -9,8 +9,8 @@
 //! |---|---|---|
 //! | 0 | [`linalg`] | sparse symmetric systems: analyse once, factor often, solve often. Names the linear-algebra crate |
 //! | 0 | [`mesh`] | connectivity, refinement along cuts, opening, reading mesh bytes ([`mesh::read`]), what is wrong with a mesh ([`mesh::doctor`]). Knows no metric |
-//! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance, intrinsic flips, [`geometry::doctor`] |
-//! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cutgraph`] (disks), [`methods::prepare`] (finer, more even, lighter meshes) |
+//! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance, nearest points, visibility, symmetries, intrinsic flips, [`geometry::doctor`] |
+//! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cutgraph`] (disks), [`methods::straighten`] (outlines without zigzag, cuts along mesh edges), [`methods::prepare`] (finer, more even, lighter meshes) |
 //! | 3 | [`flatten`] | patch → chart: BFF, measures, overlaps, packing; charts → the surface that they make ([`flatten::fold`]) |
 //! | 4 | [`pattern`] | chart → piece in millimetres: seams, sheet, bytes of SVG, OBJ, JSON |
 //! | 5 | [`session`] | commands in, events out: documents, parameters, undo, scenes, reports. The only serde |
@@ -23,7 +23,7 @@
 //! bytes → [`mesh::Soup`] (the file as it stands, kept for exports) → [`geometry::doctor::examine`] (and repairs, soup to soup, and
 //! [`methods::prepare`]) → [`mesh::Mesh`] + [`geometry::Geometry`] of unit area, without slivers where it has any →
 //! [`methods::cutflow::CutFlow`] (labels and level sets) → [`mesh::CutMesh`] (the surface refined along the cut) →
-//! [`methods::cutgraph`] (more cuts until all patches are disks) → [`mesh::OpenedMesh`] → [`flatten::Flattening`] → packed
+//! [`methods::cutgraph`] (more cuts until all patches are disks) → [`methods::straighten`] → [`mesh::OpenedMesh`] → [`flatten::Flattening`] → packed
 //! charts → [`pattern::Pattern`] → files, and [`session::Scene`] → pictures.
 //!
 //! # Invariants, stated as absences
