@@ -91,6 +91,12 @@ pub enum SolveError {
     /// Both distortion weights are zero, so that nothing opposes the length term.
     #[error("both distortion weights are 0")]
     NoEnergy,
+    /// Distortion is to count in the first region only, and there is none.
+    #[error("there is no first region")]
+    NoFirstRegion,
+    /// The mean of the initial cut over the symmetries is no cut.
+    #[error("the initial cut has no symmetric part")]
+    NotSymmetric,
     /// A surface that is heated nowhere has no temperature to even out.
     #[error("the heat source is 0 everywhere")]
     NoSource,

@@ -154,6 +154,16 @@ impl Problem {
                 "Weights.",
                 "Give the Hencky or the Dirichlet distortion a weight.",
             ),
+            SolveError::NoFirstRegion => Self::new(
+                "Distortion is to count in the first region only, and the initial cut has none.",
+                format!("{name}, initial cut."),
+                "Paint something with the first colour, choose a circle, or switch One side only off.",
+            ),
+            SolveError::NotSymmetric => Self::new(
+                "The initial cut cannot be made symmetric: on average nothing is left of it.",
+                format!("{name}, symmetry."),
+                "Choose fewer symmetries, or a start that suits them: normal clusters always do.",
+            ),
             SolveError::NoSource => Self::new(
                 "The surface is heated nowhere: there is nothing for the cut to cool.",
                 format!("{name}, heat source."),

@@ -64,11 +64,14 @@ impl CutFlow {
         self.params.coarse_to_fine
             && self.params.schedule.is_none()
             && self.symmetric.is_empty()
+            && !self.problem.pins.iter().any(|pin| *pin > 0.0)
             && self.problem.mesh.vertex_count() >= SMALLEST
     }
 
     /// The flow on the coarse surface, from the cut as it is; `None` where the surface cannot be made so coarse.
-    pub(super) fn make_coarse(&self) -> Result<Option<Coarse>, SolveError> {
+    ///
+    /// **Takes** whether its state is to be replaced anyway: then any will do.
+    pub(super) fn make_coarse(&self, is_filled: bool) -> Result<Option<Coarse>, SolveError> {
         let fine = &self.problem;
         let target_faces = fine.mesh.face_count() / FRACTION;
         let surface = Surface {
@@ -113,7 +116,10 @@ impl CutFlow {
         params.tolerance = params.tolerance.max(1e-3);
         match Self::from_start(mesh, geometry, start, params, &fields) {
             // With many regions, one that the coarse surface cannot hold may vanish, as in any step.
-            Ok(flow) if is_allowed(regions(&flow), regions(self), self.has_many_regions()) => {
+            Ok(flow)
+                if is_filled
+                    || is_allowed(regions(&flow), regions(self), self.has_many_regions()) =>
+            {
                 Ok(Some(Coarse { flow: Box::new(flow), places, failures: 0 }))
             }
             // Too coarse for this cut.
@@ -129,7 +135,7 @@ impl CutFlow {
     ) -> Result<Option<Coarse>, SolveError> {
         let coarse = match self.coarse.take() {
             Some(coarse) => Some(coarse),
-            None => self.make_coarse()?,
+            None => self.make_coarse(true)?,
         };
         let Some(mut coarse) = coarse else { return Ok(None) };
         coarse.flow.restore(&saved.checkpoint)?;
@@ -139,12 +145,13 @@ impl CutFlow {
 
     /// A few coarse steps and a look at what they are worth here; says whether J fell. The coarse flow is gone when it has
     /// nothing more to say.
-    pub(super) fn step_coarse(&mut self) -> Result<bool, SolveError> {
-        let Some(mut coarse) = self.coarse.take() else { return Ok(false) };
+    pub(super) fn step_coarse(&mut self) -> bool {
+        let Some(mut coarse) = self.coarse.take() else { return false };
         while coarse.failures < PATIENCE {
             let mut is_over = false;
             for _ in 0..STRIDE {
-                is_over = coarse.flow.step()?.status != Status::Running;
+                let report = coarse.flow.step();
+                is_over = !report.is_ok_and(|report| report.status == Status::Running);
                 if is_over {
                     break;
                 }
@@ -152,7 +159,7 @@ impl CutFlow {
             let before = self.state.solution.energy.total;
             let mut start = carried(&coarse.flow.state.levels, &coarse.places);
             mend(&self.problem.mesh, &mut start.labels, regions(&coarse.flow));
-            let state = self.state_from(&start)?;
+            let Some(state) = self.state_from(&start) else { return false };
             let is_better = state.solution.energy.total < before - GAIN * before.abs()
                 && is_allowed(
                     regions_of(&self.problem.mesh, &state.levels.labels),
@@ -166,7 +173,7 @@ impl CutFlow {
                 if !is_over {
                     self.coarse = Some(coarse);
                 }
-                return Ok(true);
+                return true;
             }
             self.spare = Some(state.solution);
             coarse.failures += 1;
@@ -174,7 +181,7 @@ impl CutFlow {
                 break;
             }
         }
-        Ok(false)
+        false
     }
 }
 

@@ -11,8 +11,10 @@
 //!
 //! [`Scheme::Paper`] is the paper's own flow instead, on the same J.
 //!
-//! Guaranteed: J never rises; no vertex changes its label unless its neighbour across the cut had that label, so the cut
-//! never jumps more than one edge (the first step is a disturbance and up to three descents: up to four edges); patches are neither torn, joined nor pierced unless [`Topology`] allows it; with
+//! Guaranteed: J never rises; in a step of the search no vertex changes its label unless its neighbour across the cut had that
+//! label, so the cut never jumps more than one edge (the first step is a disturbance and up to three descents: up to four edges;
+//! steps made on a coarse surface and the leap beyond a saddle are many such steps in one, and of the former only the number
+//! of regions is compared); patches are neither torn, joined nor pierced unless [`Topology`] allows it; with
 //! more than two regions a patch may shrink away. A [`Schedule`] that changes α changes what J means, between steps. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
 
 mod band;
@@ -43,6 +45,8 @@ pub use init::{Initial, Start, initial_labels};
 pub use paper::Stages;
 pub use params::{CutFlowParams, Schedule, Scheme, Topology};
 pub use terms::{CutFields, Energy, Pointwise, Source, Weights};
+
+use std::sync::Arc;
 
 use nalgebra::Point3;
 
@@ -136,6 +140,7 @@ pub struct Checkpoint {
     status: Status,
     probe: Option<SavedProbe>,
     coarse: Option<SavedCoarse>,
+    symmetric: Symmetric,
 }
 
 impl CutFlow {
@@ -168,6 +173,27 @@ impl CutFlow {
         Self::from_start(mesh, geometry, start, params, fields)
     }
 
+    /// A flow as a checkpoint left it, whatever it started from.
+    ///
+    /// **Takes** the surface, options and fields of then.
+    pub fn resume(
+        mesh: Mesh,
+        geometry: Geometry,
+        checkpoint: &Checkpoint,
+        params: CutFlowParams,
+        fields: &CutFields,
+    ) -> Result<Self, SolveError> {
+        params.validate()?;
+        fields.validate(mesh.vertex_count())?;
+        let start = Start::of_labels(checkpoint.levels.labels.clone());
+        // The cut is symmetric already, and what its symmetries do to labels is known.
+        let without = CutFields { symmetry: Arc::default(), ..fields.clone() };
+        let mut flow = Self::from_start(mesh, geometry, start, params, &without)?;
+        flow.fields = fields.clone();
+        flow.restore(checkpoint)?;
+        Ok(flow)
+    }
+
     /// The same from labels and level sets.
     fn from_start(
         mesh: Mesh,
@@ -177,7 +203,11 @@ impl CutFlow {
         fields: &CutFields,
     ) -> Result<Self, SolveError> {
         let mean_edge = geometry.mean_edge_length();
-        let (symmetric, start) = Symmetric::new(&mesh, &geometry, &fields.symmetry, start);
+        if params.weights.one_sided && !start.labels.contains(&0) {
+            return Err(SolveError::NoFirstRegion);
+        }
+        let (symmetric, start) =
+            Symmetric::new(&mesh, &geometry, &fields.symmetry, start, &params.weights)?;
         let mut problem = Problem::new(mesh, geometry)?;
         problem.set_fields(fields);
         problem.prepare_rescaling(&params.weights)?;
@@ -210,11 +240,16 @@ impl CutFlow {
         })
     }
 
-    /// Another state from labels and level sets.
-    fn state_from(&mut self, start: &Start) -> Result<CutState, SolveError> {
+    /// Another state from labels and level sets; `None` if it cannot be used.
+    fn state_from(&mut self, start: &Start) -> Option<CutState> {
         let cut = first_cut(&self.problem, start, self.mean_edge, &mut self.edge_crossings);
+        if self.problem.misses_a_component(&cut) {
+            return None;
+        }
         let spare = self.spare.take();
         first_state(&self.problem, start, cut, self.mean_edge, &self.weights, spare)
+            .ok()
+            .filter(|state| state.solution.energy.total.is_finite())
     }
 
     /// The mesh that is cut.
@@ -321,7 +356,7 @@ impl CutFlow {
         self.progress.time_step = 0.0;
     }
 
-    /// Log scale factors, or temperatures, and the adjoint that goes with them: A q = 2 w_D A_a u + w_H ∫b′(u).
+    /// The adjoint q at the vertices, with A q = 2 w_D A_a u + w_H ∫b′(u). The paper's p is −q.
     pub fn adjoint(&mut self) -> Vec<f64> {
         let CutState { cut, solution, .. } = &mut self.state;
         self.problem.adjoint(cut, &self.weights, solution)
@@ -364,12 +399,14 @@ impl CutFlow {
             status: self.status,
             probe: self.probe.as_ref().map(Probe::save),
             coarse: self.coarse.as_ref().map(Coarse::save),
+            symmetric: self.symmetric.clone(),
         }
     }
 
     /// Goes back to a checkpoint of a flow on the same surface. Later steps repeat bit for bit.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), SolveError> {
         self.weights = self.params.weights_at(checkpoint.progress.step);
+        self.symmetric = checkpoint.symmetric.clone();
         let probe = match &checkpoint.probe {
             Some(saved) => Some(saved.revive(self)?),
             None => None,
@@ -449,6 +486,8 @@ impl CutFlow {
             self.weights = weights;
             let energy = &mut self.state.solution.energy;
             energy.total = weights.total(energy);
+            // J under another α is another J: convergence is judged anew.
+            self.progress.history = vec![energy.total];
         }
     }
 
@@ -503,9 +542,10 @@ impl Flow for CutFlow {
         self.follow_schedule();
         let ceiling = self.state.solution.energy.total;
         if self.progress.step == 0 && self.wants_coarse() {
-            self.coarse = self.make_coarse()?;
+            // Whatever a coarse surface cannot do, the fine one can do without it.
+            self.coarse = self.make_coarse(false).unwrap_or(None);
         }
-        let mut moved = self.coarse.is_some() && self.step_coarse()?;
+        let mut moved = self.coarse.is_some() && self.step_coarse();
         if !moved && self.progress.step == 0 && self.params.kick > 0.0 {
             let start = self.checkpoint();
             let result = self.kick_and_descend(ceiling);

@@ -8,8 +8,10 @@ use std::sync::Arc;
 
 use super::band::LevelSets;
 use super::init::Start;
+use super::terms::Weights;
 use crate::geometry::{Geometry, SymmetryMap};
 use crate::mesh::{Mesh, VertexId};
+use crate::methods::flow::SolveError;
 
 /// Weights below this do not ask for their corner.
 const NO_WEIGHT: f64 = 1e-9;
@@ -32,14 +34,15 @@ impl Symmetric {
         geometry: &Geometry,
         maps: &Arc<Vec<SymmetryMap>>,
         start: Start,
-    ) -> (Self, Start) {
+        weights: &Weights,
+    ) -> Result<(Self, Start), SolveError> {
         if maps.is_empty() {
-            return (Self::default(), start);
+            return Ok((Self::default(), start));
         }
         if start.labels.iter().any(|&label| label > 1) {
             let labels = fundamental_labels(mesh, geometry, maps, &start.labels);
             let swaps = vec![false; maps.len()];
-            return (Self { maps: maps.clone(), swaps }, Start::of_labels(labels));
+            return Ok((Self { maps: maps.clone(), swaps }, Start::of_labels(labels)));
         }
         let mean_edge = geometry.mean_edge_length();
         let levels: Vec<f64> = mesh.vertices().map(|v| start.level(v, 0, mean_edge)).collect();
@@ -54,7 +57,9 @@ impl Symmetric {
             })
             .collect();
         // Signs must go together with products of maps. Where one cannot be told, none is taken.
-        let is_clear = correlations.iter().all(|c| c.abs() > UNRELATED);
+        // Nor where the two regions are not alike.
+        let is_clear = correlations.iter().all(|c| c.abs() > UNRELATED)
+            && !(weights.one_sided || weights.area > 0.0);
         let swaps: Vec<bool> = correlations.iter().map(|c| is_clear && *c < 0.0).collect();
         let mean = |v: VertexId| {
             let mut sum = levels[v.index()];
@@ -64,8 +69,13 @@ impl Symmetric {
             }
             sum / (maps.len() + 1) as f64
         };
-        let symmetric = mesh.vertices().map(mean).collect();
-        (Self { maps: maps.clone(), swaps }, Start::of_levels(symmetric))
+        let symmetric: Vec<f64> = mesh.vertices().map(mean).collect();
+        let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        // What is left of opposites is rounding.
+        if largest(&symmetric) < 1e-6 * largest(&levels) {
+            return Err(SolveError::NotSymmetric);
+        }
+        Ok((Self { maps: maps.clone(), swaps }, Start::of_levels(symmetric)))
     }
 
     pub fn is_empty(&self) -> bool {

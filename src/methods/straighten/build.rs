@@ -243,6 +243,9 @@ impl Builder<'_, '_> {
                 let is_plain = stretches.iter().all(|&s| self.stretches[s as usize].edge.is_none());
                 if is_plain && faces == expected {
                     let node = self.network.add_node(place);
+                    let holds = |v: VertexId| pins.get(v.index()).is_some_and(|&pin| pin > 0.0);
+                    self.network.nodes[node as usize].is_fixed =
+                        mesh.edge_vertices(e).into_iter().any(holds);
                     if !is_free {
                         self.anchor(node, t);
                     }

@@ -327,6 +327,13 @@ impl CutFlow {
                     levels.values[entry] = old + free * (distances.value(v, label) - old);
                 }
             }
+            if !self.symmetric.is_empty() {
+                let old = &self.state.levels;
+                let moves: Vec<f64> =
+                    levels.values.iter().zip(&old.values).map(|(new, old)| new - old).collect();
+                let moves = self.symmetric.average(old, &moves);
+                levels.values = old.values.iter().zip(moves).map(|(old, by)| old + by).collect();
+            }
             if let Some((levels, cut, solution)) = self.settle(levels, step * survey.fastest)? {
                 if solution.energy.total < ceiling {
                     return Ok((Some(Taken { levels, cut, solution, distances, step }), trial));
