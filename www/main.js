@@ -134,6 +134,7 @@ const brush = brushPanel(
   views,
   {
     paint: (dab) => client.command({ type: "paint", ...dab }),
+    rested: () => client.command({ type: "end_stroke" }),
     clear: (channel) => client.command({ type: "clear_paint", channel }),
     circle: ({ face, x, y, z }) => changing("Starting at a circle", { type: "place_circle", face, place: [x, y, z] }),
     field: showField,
@@ -481,8 +482,13 @@ function tipFor(patch) {
 
 fileSources(openFile);
 byId("sample").addEventListener("change", ({ target }) => openSample(target.value));
-byId("undo").addEventListener("click", () => changing("Undo", { type: "undo" }));
-byId("redo").addEventListener("click", () => changing("Redo", { type: "redo" }));
+for (const [id, name] of [["undo", "Undo"], ["redo", "Redo"]]) {
+  byId(id).addEventListener("click", () => {
+    // What of a stroke is still on its way belongs to what is taken back.
+    brush.drop();
+    changing(name, { type: id });
+  });
+}
 for (const select of document.querySelectorAll("select.overlay")) {
   select.addEventListener("change", () => showField(select.value));
 }

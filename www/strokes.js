@@ -5,12 +5,16 @@ const CROWD = 6;
 
 const nextFrame = () => new Promise((resolve) => requestAnimationFrame(resolve));
 
-/** `send(dab)` resolves when the engine has answered. */
-export function dabQueue(send) {
+/** Milliseconds without a dab after which a stroke is over. */
+const REST_MS = 250;
+
+/** `send(dab)` resolves when the engine has answered; `rested()` is called when a stroke is over. */
+export function dabQueue(send, rested) {
   let waiting = [];
   /** The loop that sends; one that waits for a lost engine is left behind. */
   let turn = 0;
   let isSending = false;
+  let rest = 0;
 
   async function work() {
     const mine = turn;
@@ -21,10 +25,12 @@ export function dabQueue(send) {
       if (mine !== turn) return;
     }
     isSending = false;
+    rest = setTimeout(rested, REST_MS);
   }
 
   return {
     add(dabs) {
+      clearTimeout(rest);
       waiting.push(...dabs);
       if (!isSending) work();
     },

@@ -80,6 +80,8 @@ function offerScene() {
   pageIsReady = false;
   const buffers = Object.values(scene).filter(ArrayBuffer.isView).map((view) => view.buffer);
   self.postMessage({ type: "scene", scene }, [...new Set(buffers)]);
+  const events = engine.late();
+  if (events.length > 0) self.postMessage({ type: "events", events, spent: 0 });
 }
 
 function guarded(work) {

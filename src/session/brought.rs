@@ -12,9 +12,10 @@ use nalgebra::Point3;
 
 use super::cut_file::labels_from_json;
 use super::message::{Event, Value};
+use super::paint::with_paint;
 use super::surface::Surface;
 use super::text::Problem;
-use super::work::Pending;
+use super::work::{Pending, start_flow};
 use super::{Session, nothing_open};
 use crate::geometry::visibility;
 
@@ -55,6 +56,7 @@ impl Session {
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let surface = work.document.surface()?;
         let mut layers = work.layers.clone();
+        let mut settings = work.settings.clone();
         let (pending, init) = match what {
             Brought::Layer { channel, values } => {
                 let values = of_vertices(surface, channel, values)?;
@@ -70,6 +72,9 @@ impl Session {
                             _ => &mut layers.pin,
                         };
                         *layer = Rc::new(values);
+                        if channel == "heat" {
+                            settings.put("source", Value::Text("heat".into()));
+                        }
                         (Pending::Fields, None)
                     }
                 }
@@ -98,19 +103,34 @@ impl Session {
             }
             Brought::Eye(place) => {
                 let eye = (Point3::from(place) - surface.frame.centre) * surface.frame.scale;
-                layers.penalty =
-                    Rc::new(visibility(&surface.mesh, &surface.geometry, Point3::from(eye)));
+                let seen = visibility(&surface.mesh, &surface.geometry, Point3::from(eye));
+                layers.penalty = Rc::new(with_paint(&layers.penalty, seen));
                 (Pending::Fields, None)
             }
         };
+        if let Some(init) = init {
+            settings.put("init", Value::Text(init.into()));
+        }
+        // Try before anything changes.
+        let flow = match pending {
+            Pending::Restart => Some(start_flow(&work.document, &settings, &layers, None)?),
+            _ => None,
+        };
+        self.remember("bring a cut or a layer", "bring");
         let Some(work) = &mut self.work else { return Ok(()) };
         work.layers = layers;
-        work.pending = work.pending.max(pending);
-        if let Some(init) = init {
-            work.settings.put("init", Value::Text(init.into()));
+        work.settings = settings;
+        match flow {
+            Some(flow) => {
+                work.begin(flow);
+                self.push_energy(events);
+            }
+            None => {
+                work.pending = work.pending.max(pending);
+                self.catch_up(events)?;
+            }
         }
-        // Before anything else is asked for, so that errors come here.
-        self.catch_up(events)?;
+        events.push(self.history_event());
         events.push(self.parameters());
         events.push(self.presets());
         events.push(self.paint_channels());

@@ -54,7 +54,8 @@ pub fn initial(
         }
         "curvature" => Initial::CurvatureLevels { regions: count("regions") },
         "random" => Initial::Random {
-            regions: count("regions"),
+            // More labels than cells say the same as one for each.
+            regions: count("regions").min(count("cells")),
             cells: count("cells"),
             seed: u64::from(count("seed")),
         },

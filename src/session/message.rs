@@ -94,6 +94,8 @@ pub enum Command {
         #[serde(default)]
         begins: bool,
     },
+    /// The stroke has ended. Regions that it painted are where the flow starts from then on.
+    EndStroke,
     /// Takes all paint of one kind away.
     ClearPaint {
         /// What was painted.

@@ -42,7 +42,7 @@ use crate::methods::cutflow::CutFlow;
 use crate::methods::flow::Status;
 use inputs::Layers;
 use preparing::Preparation;
-use work::{Snapshot, Work, start_flow};
+use work::{Pending, Snapshot, Work, start_flow};
 
 pub use brought::Brought;
 pub use cut_file::{cut_from_json, surface_layout};
@@ -92,7 +92,11 @@ impl Session {
         if !goes_along_with_preparing(&command) && self.preparation.take().is_some() {
             events.push(self.status());
         }
+        if !matches!(command, Command::Paint { .. } | Command::Undo | Command::Redo) {
+            self.end_stroke();
+        }
         let result = match command {
+            Command::EndStroke => Ok(()),
             Command::Hello => {
                 events.push(self.samples());
                 events.push(self.presets());
@@ -158,7 +162,6 @@ impl Session {
     /// Opens a file. What was open stays open if the file cannot be used.
     pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
         if self.work.is_some() && cut_file::is_cut_file(bytes) {
-            self.remember("bring a cut", "bring");
             return self.bring(Brought::Cut { name, bytes });
         }
         let mut events = std::mem::take(&mut self.late);
@@ -200,7 +203,7 @@ impl Session {
             && !self.is_running
             && self.preparation.is_none()
             && !work.first_cut_is_due
-            && work.pending == work::Pending::None
+            && work.pending == Pending::None
             && !work.is_settled
         {
             self.settle(&mut events);
@@ -220,8 +223,21 @@ impl Session {
     }
 
     /// Whether something was painted that the flow does not know yet.
-    fn is_behind(&self) -> bool {
-        self.work.as_ref().is_some_and(|work| work.pending != work::Pending::None)
+    pub(super) fn is_behind(&self) -> bool {
+        let is_due = |work: &Work| !matches!(work.pending, Pending::None | Pending::Stroke);
+        self.work.as_ref().is_some_and(is_due)
+    }
+
+    /// What was told of since the last answer: by pictures that were made meanwhile.
+    pub fn take_late(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.late)
+    }
+
+    /// The stroke has ended: what it painted is where the flow starts.
+    pub(super) fn end_stroke(&mut self) {
+        if let Some(work) = self.work.as_mut().filter(|work| work.pending == Pending::Stroke) {
+            work.pending = Pending::Restart;
+        }
     }
 
     fn first_cut_is_due(&self) -> bool {
@@ -339,6 +355,7 @@ impl Session {
             self.make_first_cut(&mut events);
             self.late.extend(events);
         }
+        self.end_stroke();
         if self.is_behind() {
             let mut events = Vec::new();
             self.catch_up(&mut events)?;
@@ -404,10 +421,16 @@ impl Session {
     fn change_to(
         &mut self,
         mut document: Document,
-        settings: Settings,
+        mut settings: Settings,
         label: &str,
         events: &mut Vec<Event>,
     ) {
+        // What was painted belongs to the triangles before.
+        if ["painted", "seeds", "file"].contains(&settings.text("init")) {
+            settings.put("init", Value::Text("normals".into()));
+            let text = "What was painted belonged to the mesh before: the cut starts from normal clusters.";
+            document.summary.notices.push(NoticeText::new("paint_dropped", 1, text));
+        }
         let is_large = document.surface.is_some() && document.triangles.len() > SHOWN_FIRST;
         let flow = match (!is_large)
             .then(|| start_flow(&document, &settings, &Layers::default(), None))
@@ -521,6 +544,7 @@ impl Session {
                 work.begin(flow);
                 self.push_energy(events);
                 self.settle(events);
+                events.push(self.fold_event());
                 events.push(Event::Scene);
             }
             (Effect::NextStep | Effect::Restart, None) => {
@@ -579,9 +603,13 @@ impl Session {
             self.scene_is_new = true;
             return;
         }
+        let was_folded = work.fold.is_some();
         match work.settle() {
             Ok(()) => {
                 events.push(work.measures());
+                if was_folded {
+                    events.push(self.fold_event());
+                }
                 self.scene_is_new = true;
             }
             Err(problem) => self.refuse(problem, events),

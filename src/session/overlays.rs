@@ -22,9 +22,12 @@ impl Work {
             "heat" => return Ok(layer(&self.layers.heat)),
             "pin" => return Ok(layer(&self.layers.pin)),
             "regions" => {
-                let labels = match self.layers.regions.is_empty() {
-                    true => self.labels(),
-                    false => self.layers.regions.to_vec(),
+                // A stroke goes on from the cut that is there, unless regions were painted before.
+                let is_painted =
+                    self.settings.text("init") == "painted" && !self.layers.regions.is_empty();
+                let labels = match is_painted {
+                    false => self.labels(),
+                    true => self.layers.regions.to_vec(),
                 };
                 return Ok(Some(labels.into_iter().map(f64::from).collect()));
             }

@@ -14,7 +14,7 @@ use super::inputs::Layers;
 use super::message::{Event, PaintChannel, Value};
 use super::surface::Surface;
 use super::text::Problem;
-use super::work::Pending;
+use super::work::{Pending, energy_event};
 use super::{Session, nothing_open, presets};
 use crate::geometry::visibility;
 use crate::mesh::{FaceId, VertexId};
@@ -76,11 +76,15 @@ impl Session {
         let surface = work.document.surface()?;
         let dab = Dab::new(surface, face, place, radius)?;
         let most = if channel == "region" { MOST_LABELS } else { 1.0 };
-        if !(value >= 0.0 && value <= most) {
+        let is_whole = channel != "region" || value.fract().abs() <= 0.0;
+        if !(value >= 0.0 && value <= most && is_whole) {
             return Err(Problem::new(
                 format!("{value} cannot be painted."),
                 format!("Brush, {label}."),
-                format!("Choose a value from 0 to {most}."),
+                match channel {
+                    "region" => format!("Choose a whole number from 0 to {most}."),
+                    _ => format!("Choose a value from 0 to {most}."),
+                },
             ));
         }
         let mut layers = work.layers.clone();
@@ -94,7 +98,7 @@ impl Session {
                 for (v, _) in dab.vertices(surface) {
                     regions[v.index()] = value as u32;
                 }
-                Pending::Restart
+                Pending::Stroke
             }
             "seed" => {
                 let seeds = Rc::make_mut(&mut layers.seeds);
@@ -128,7 +132,8 @@ impl Session {
                 Pending::Fields
             }
         };
-        if begins {
+        // A stroke that goes on after Undo is another one.
+        if begins || self.undo.last().is_none_or(|last| last.kind != "paint") {
             self.remember(&format!("paint {}", label.to_lowercase()), "paint");
         }
         self.put_layers(channel, layers, pending, events);
@@ -194,7 +199,8 @@ impl Session {
         }
         let eye = Point3::from(Vector3::from(eye) * surface.radius());
         let mut layers = work.layers.clone();
-        layers.penalty = Rc::new(visibility(&surface.mesh, &surface.geometry, eye));
+        let seen = visibility(&surface.mesh, &surface.geometry, eye);
+        layers.penalty = Rc::new(with_paint(&layers.penalty, seen));
         self.remember("hide seams from the camera", "hide");
         self.put_layers("penalty", layers, Pending::Fields, events);
         Ok(())
@@ -211,10 +217,22 @@ impl Session {
         let Some(work) = &mut self.work else { return };
         work.layers = layers;
         work.pending = work.pending.max(pending);
+        let has_start = match work.settings.text("init") {
+            "painted" => !work.layers.regions.is_empty(),
+            "seeds" => !work.layers.seeds.is_empty(),
+            _ => true,
+        };
+        if !has_start && work.pending > Pending::Fields && pending <= Pending::Fields {
+            work.pending = Pending::Fields;
+        }
         let before = work.settings.clone();
+        let init = work.settings.text("init");
         let wanted = match channel {
             "region" => Some(("init", "painted")),
-            "seed" => Some(("init", "seeds")),
+            "seed" if !work.layers.seeds.is_empty() => Some(("init", "seeds")),
+            // Nothing to start from is left; the cut that is there stays.
+            _ if init == "seeds" && work.layers.seeds.is_empty() => Some(("init", "normals")),
+            _ if init == "painted" && work.layers.regions.is_empty() => Some(("init", "normals")),
             "heat" => Some(("source", "heat")),
             _ => None,
         };
@@ -240,7 +258,7 @@ impl Session {
         let Some(work) = &mut self.work else { return Ok(()) };
         match std::mem::take(&mut work.pending) {
             Pending::None => {}
-            Pending::Restart => {
+            Pending::Stroke | Pending::Restart => {
                 let flow = work.new_flow(None)?;
                 work.begin(flow);
             }
@@ -257,8 +275,11 @@ impl Session {
             }
         }
         self.scene_is_new = true;
-        self.push_energy(events);
+        // A restart has one row, other changes concern the last one.
+        let last = self.work.as_ref().and_then(|work| work.history.last());
+        events.extend(last.map(energy_event));
         events.extend(self.work.as_ref().map(super::work::Work::measures));
+        events.push(self.fold_event());
         Ok(())
     }
 
@@ -287,6 +308,12 @@ impl Layers {
             _ => &mut self.pin,
         }
     }
+}
+
+/// What is seen, and what was painted already: the larger of both.
+pub(super) fn with_paint(painted: &[f64], mut seen: Vec<f64>) -> Vec<f64> {
+    seen.iter_mut().zip(painted).for_each(|(seen, painted)| *seen = seen.max(*painted));
+    seen
 }
 
 fn layer_clear(layer: &mut Rc<Vec<f64>>) {

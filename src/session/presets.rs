@@ -75,10 +75,8 @@ const PRESETS: &[Preset] = &[
         label: "Heat element",
         help: "A cooling line that is denser where more heat is painted. Paint with Brush, Heat.",
         sample: "car_hood",
-        texts: &[("init", "circle"), ("source", "heat"), ("schedule", "changing")],
+        texts: &[("init", "plane"), ("axis", "x"), ("source", "heat"), ("schedule", "changing")],
         numbers: &[
-            ("vertex", 2000.0),
-            ("radius", 0.2),
             ("heat", 10.0),
             ("dirichlet", 3.0),
             ("hencky", 0.0),

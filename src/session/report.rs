@@ -108,6 +108,9 @@ pub struct HistoryRow {
     /// Its terms, from which it follows for other weights.
     #[serde(skip)]
     pub(super) energy: Energy,
+    /// The weights that it was measured with.
+    #[serde(skip)]
+    pub(super) weights: Weights,
 }
 
 /// One patch.
@@ -184,7 +187,7 @@ impl HistoryRow {
     pub fn new(step: usize, energy: &Energy, weights: &Weights) -> Self {
         let distortion = weights.distortion(energy);
         let total = weights.total(energy);
-        Self { step, distortion, length: energy.length, total, energy: *energy }
+        Self { step, distortion, length: energy.length, total, energy: *energy, weights: *weights }
     }
 
     /// The same step measured with other weights.

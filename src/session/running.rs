@@ -31,6 +31,9 @@ impl Session {
 
     pub(super) fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
+        if let Some(fold) = self.work.as_mut().and_then(|work| work.fold.as_mut()) {
+            fold.is_running = false;
+        }
         if self.work.as_ref().is_some_and(|work| !work.is_settled) {
             self.settle(events);
         }
@@ -92,6 +95,7 @@ impl Session {
         }
         self.push_energy(events);
         self.settle(events);
+        events.push(self.fold_event());
         events.push(self.history_event());
         events.push(self.status());
         events.push(Event::Scene);
@@ -121,6 +125,7 @@ impl Session {
     }
 
     pub(super) fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        self.end_stroke();
         if self.is_behind() {
             self.catch_up(events)?;
         }
@@ -141,7 +146,7 @@ impl Session {
             work.stages = None;
             work.fold = None;
             self.scene_is_new = true;
-            events.push(energy_event(&row, &weights));
+            events.push(energy_event(&row));
         }
         if report.status != Status::Running || report.step as f64 >= limit {
             self.is_running = false;

@@ -14,7 +14,7 @@ use super::text::Problem;
 use super::{nothing_open, picture, size};
 use crate::geometry::Symmetry;
 use crate::mesh::CutMesh;
-use crate::methods::cutflow::{Checkpoint, CutFields, CutFlow, Pointwise, Stages, Weights};
+use crate::methods::cutflow::{Checkpoint, CutFields, CutFlow, Pointwise, Stages};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, Pattern, Sheet, SheetParams};
 
@@ -29,6 +29,8 @@ pub(super) enum Pending {
     None,
     /// Sources, penalties, pins: the next step acts on them.
     Fields,
+    /// Where the flow starts, and the stroke goes on: there is no hurry.
+    Stroke,
     /// Where the flow starts.
     Restart,
 }
@@ -64,6 +66,7 @@ pub(super) struct Snapshot {
     pub document: Rc<Document>,
     pub settings: Settings,
     pub layers: Layers,
+    pub pending: Pending,
     pub checkpoint: Option<Checkpoint>,
     pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
@@ -104,12 +107,20 @@ impl Work {
     pub fn remeasure(&mut self) {
         let Some(flow) = &self.flow else { return };
         let weights = *flow.weights();
-        for row in &mut self.history {
-            *row = row.reweighted(&weights);
+        let now = HistoryRow::new(flow.steps(), &flow.state().energy(), &weights);
+        let is_scheduled = flow.params().schedule.is_some();
+        match self.history.last() {
+            // Every step had an α of its own.
+            Some(_) if is_scheduled => {}
+            Some(last) if last.weights.measures_like(&weights) => {
+                for row in &mut self.history {
+                    *row = row.reweighted(&weights);
+                }
+            }
+            _ => self.history.clear(),
         }
-        if let Some(last) = self.history.last_mut() {
-            *last = HistoryRow::new(flow.steps(), &flow.state().energy(), &weights);
-        }
+        self.history.pop();
+        self.history.push(now);
         self.stages = None;
     }
 
@@ -130,8 +141,7 @@ impl Work {
 
     /// J and its terms at every step so far.
     pub fn energy_curve(&self) -> impl Iterator<Item = Event> + '_ {
-        let params = self.settings.flow_params();
-        self.history.iter().map(move |row| energy_event(row, &params.weights_at(row.step)))
+        self.history.iter().map(energy_event)
     }
 
     pub fn snapshot(&self, label: &str, kind: &str) -> Snapshot {
@@ -141,6 +151,7 @@ impl Work {
             document: self.document.clone(),
             settings: self.settings.clone(),
             layers: self.layers.clone(),
+            pending: self.pending,
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
             first_cut_is_due: self.first_cut_is_due,
             history: self.history.clone(),
@@ -174,6 +185,7 @@ impl Work {
         self.history = vec![first_row(&flow)];
         self.flow = Some(flow);
         self.pending = Pending::None;
+        self.fold = None;
         self.stages = None;
         self.first_cut_is_due = false;
         self.start = None;
@@ -210,6 +222,8 @@ impl Work {
         let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing)
             .map_err(|error| Problem::solve(&surface.name, &error))?;
         self.layout = Some(layout);
+        // It was of another layout.
+        self.fold = None;
         self.is_settled = true;
         if self.start.is_none() {
             self.start = Some(self.rows());
@@ -450,16 +464,18 @@ pub(super) fn start_flow(
 ) -> Result<CutFlow, Problem> {
     let wrong = |error| Problem::solve(&document.name, &error);
     let surface = document.surface()?;
-    let initial = inputs::initial(settings, layers, surface)?;
     let (mesh, geometry) = surface.solving();
+    let (mesh, geometry) = (mesh.clone(), geometry.clone());
     let fields = inputs::fields(settings, layers, mesh.vertex_count());
     let params = settings.flow_params();
-    let mut flow = CutFlow::with_fields(mesh.clone(), geometry.clone(), &initial, params, &fields)
-        .map_err(wrong)?;
-    if let Some(checkpoint) = checkpoint {
-        flow.restore(checkpoint).map_err(wrong)?;
+    match checkpoint {
+        Some(checkpoint) => CutFlow::resume(mesh, geometry, checkpoint, params, &fields),
+        None => {
+            let initial = inputs::initial(settings, layers, surface)?;
+            CutFlow::with_fields(mesh, geometry, &initial, params, &fields)
+        }
     }
-    Ok(flow)
+    .map_err(wrong)
 }
 
 /// The history's row of a flow that has just begun.
@@ -468,7 +484,8 @@ pub(super) fn first_row(flow: &CutFlow) -> HistoryRow {
 }
 
 /// A point of the energy plot.
-pub(super) fn energy_event(row: &HistoryRow, weights: &Weights) -> Event {
+pub(super) fn energy_event(row: &HistoryRow) -> Event {
+    let weights = &row.weights;
     let distortion = match (weights.dirichlet > 0.0, weights.hencky > 0.0) {
         (true, false) => "Dirichlet",
         (false, true) if weights.pointwise == Pointwise::Square => "Hencky",

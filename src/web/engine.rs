@@ -83,6 +83,11 @@ impl Engine {
         }
     }
 
+    /// What making the last scene had to tell; gives an array of events.
+    pub fn late(&mut self) -> Result<JsValue, JsValue> {
+        events(&self.session.take_late())
+    }
+
     /// The bytes of an export; throws `{ what, where, what_to_do }`.
     pub fn export_file(&mut self, kind: &str) -> Result<JsValue, JsValue> {
         let file = self.session.export(kind).map_err(refusal)?;

@@ -54,7 +54,7 @@ export function brushPanel(views, on, facts) {
   let before = null;
   let chosen = null;
 
-  const queue = dabQueue(on.paint);
+  const queue = dabQueue(on.paint, on.rested);
 
   // The tools.
 

@@ -30,6 +30,8 @@ function address({ sample, specs, values, opened }) {
   if (sample) query.set("sample", sample);
   query.set("method", "cutflow");
   for (const { id } of specs) {
+    // What was painted or brought along does not travel in a link.
+    if (id === "init" && ["painted", "seeds", "file"].includes(values[id])) continue;
     // Samples have values of their own; who opens the link for a file may start from any.
     if (id in values && !(sample && values[id] === opened[id])) query.set(PREFIX + id, String(values[id]));
   }
