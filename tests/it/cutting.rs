@@ -538,18 +538,24 @@ fn a_falling_length_weight_fills_the_surface_with_one_curve() {
 
 #[test]
 fn patches_may_grow_together_where_that_is_allowed() {
-    // Two caps of one label that length and distortion would rather join or keep, as they may.
-    let labels = |surface: &Surface| -> Vec<u32> {
-        surface.geometry.positions.iter().map(|p| u32::from(p.z.abs() < 0.02)).collect()
-    };
-    for (topology, expected) in [(Topology::Preserve, 3..=3), (Topology::Merge, 2..=3)] {
-        let surface = Surface::sphere(12);
-        let initial = Initial::Labels(labels(&surface));
-        let weights = Weights { hencky: 10.0, length: 20.0, ..Weights::default() };
+    // Two patches of one label that are rewarded for growing.
+    let centres = [Point3::new(0.15, 0.0, 0.24), Point3::new(-0.15, 0.0, 0.24)];
+    let label = |p: &Point3<f64>| u32::from(centres.iter().all(|c| (p - c).norm() > 0.12));
+    for (topology, expected) in [(Topology::Preserve, 3), (Topology::Merge, 2)] {
+        let surface = Surface::sphere(16);
+        let labels = surface.geometry.positions.iter().map(label).collect();
+        let weights = Weights {
+            hencky: 100.0,
+            length: 0.5,
+            area: 30.0,
+            one_sided: true,
+            ..Weights::default()
+        };
         let params = CutFlowParams { weights, topology, ..CutFlowParams::default() };
-        let mut flow = flow(surface, &initial, params);
+        let mut flow = flow(surface, &Initial::Labels(labels), params);
+        assert_eq!(regions(&flow), 3);
         run_checked(&mut flow, 40);
-        assert!(expected.contains(&regions(&flow)), "{topology:?}: {}", regions(&flow));
+        assert_eq!(regions(&flow), expected, "{topology:?}");
     }
 }
 
@@ -665,4 +671,37 @@ fn a_symmetric_cut_stays_symmetric() {
             assert!(count * 50 < labels.len(), "{count} of {} vertices differ", labels.len());
         }
     }
+}
+
+#[test]
+fn what_has_no_symmetric_part_and_no_first_region_is_refused() {
+    let surface = Surface::sphere(8);
+    let found = find_symmetries(&surface.mesh, &surface.geometry, 0.01);
+    let group = symmetry_group(&surface.mesh, &surface.geometry, &found[..3], 120).unwrap();
+    let fields = CutFields { symmetry: Arc::new(group), ..CutFields::default() };
+    // Opposites cancel: swapping is not allowed where the two sides are not alike.
+    let sided = Weights { one_sided: true, ..weights(0.0, 100.0, 1.0).weights };
+    let params = CutFlowParams { weights: sided, ..CutFlowParams::default() };
+    let direction = found[0].direction;
+    let initial = Initial::Plane { point: Point3::origin(), normal: direction };
+    let (mesh, geometry) = (surface.mesh.clone(), surface.geometry.clone());
+    let error = CutFlow::with_fields(mesh, geometry, &initial, params, &fields).err();
+    assert_eq!(error, Some(SolveError::NotSymmetric));
+    let labels = surface.geometry.positions.iter().map(|p| 1 + u32::from(p.z > 0.0)).collect();
+    let (mesh, geometry) = (surface.mesh.clone(), surface.geometry.clone());
+    let error = CutFlow::new(mesh, geometry, &Initial::Labels(labels), params).err();
+    assert_eq!(error, Some(SolveError::NoFirstRegion));
+}
+
+#[test]
+fn a_rising_schedule_goes_on_after_its_end() {
+    let params = CutFlowParams {
+        schedule: Some(Schedule { length_end: 6.0, steps: 5 }),
+        ..weights(10.0, 0.0, 2.0)
+    };
+    let mut flow = flow(Surface::sphere(12), &plane(0.1, 0.0, 1.0), params);
+    for _ in 0..8 {
+        flow.step().unwrap();
+    }
+    assert!(flow.steps() == 8 && (flow.weights().length - 6.0).abs() < 1e-12);
 }
