@@ -235,6 +235,8 @@ const handlers = {
     }
   },
   history({ undo, redo }) {
+    // Something was done: what could not be done before it is no news any more.
+    error.hideRefusal();
     for (const [id, name, text, keys] of [
       ["undo", "Undo", undo, "Ctrl Z"],
       ["redo", "Redo", redo, "Ctrl Shift Z"],

@@ -60,18 +60,21 @@ pub fn initial(
             seed: u64::from(count("seed")),
         },
         "seeds" if layers.seeds.is_empty() => {
-            return Err(nothing_painted("seeds", "Choose Brush, Seeds, and click on the surface."));
+            return Err(nothing_painted(
+                "there are no seeds yet",
+                "Choose Brush, Seeds, and click on the surface.",
+            ));
         }
         "seeds" => Initial::Seeds(layers.seeds.to_vec()),
         "painted" if layers.regions.is_empty() => {
             let advice = "Choose Brush, Regions, and paint on the surface.";
-            return Err(nothing_painted("painted regions", advice));
+            return Err(nothing_painted("no regions are painted yet", advice));
         }
         "painted" => Initial::Labels(layers.regions.to_vec()),
         "file" if layers.brought.is_empty() => {
             return Err(nothing_painted(
-                "other cut",
-                "Open a cut.json that was written for this mesh, or give it with --init.",
+                "no other cut was opened yet",
+                "Open a cut.json that was written for this mesh.",
             ));
         }
         "file" => Initial::Labels(layers.brought.to_vec()),
@@ -130,7 +133,7 @@ fn plane(settings: &Settings, surface: &Surface) -> Initial {
 }
 
 fn nothing_painted(what: &str, advice: &str) -> Problem {
-    Problem::new(format!("There are no {what} yet."), "Initial cut.", advice)
+    Problem::new(format!("Nothing to start from: {what}."), "Initial cut.", advice)
 }
 
 #[expect(

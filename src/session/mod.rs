@@ -155,6 +155,8 @@ impl Session {
         };
         if let Err(problem) = result {
             self.refuse(problem, &mut events);
+            // What was asked for is not in force: controls go back to what is.
+            events.push(self.parameters());
         }
         events
     }

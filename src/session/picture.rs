@@ -153,6 +153,7 @@ pub fn scene(
         });
     }
 
+    result.is_folded = folded.is_some();
     if folded.is_some() {
         result.normals = folded_normals(opened, &result.positions);
     }
@@ -362,6 +363,10 @@ fn legend(layout: &Layout, id: &str, label: &str, values: &[f64], signed: bool) 
         low = -high;
     } else if high - low < 1e-9 {
         high = low + 1e-9;
+    }
+    if ["penalty", "heat", "pin"].contains(&id) {
+        // Amounts of paint: all of their range, however little there is.
+        (low, high) = (0.0, 1.0);
     }
     let mut histogram = vec![0.0f64; BINS];
     for (value, weight) in &samples {

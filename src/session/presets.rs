@@ -24,7 +24,13 @@ const PRESETS: &[Preset] = &[
         help: "One closed seam on a ball, of even stress: the tennis ball comes out by itself.",
         sample: "ball",
         texts: &[("init", "plane"), ("axis", "y")],
-        numbers: &[("dirichlet", 3.0), ("hencky", 0.0), ("length", 2.0), ("saddle_tests", 2.0)],
+        numbers: &[
+            ("dirichlet", 3.0),
+            ("hencky", 0.0),
+            ("length", 2.0),
+            ("saddle_tests", 2.0),
+            ("tolerance", 1e-5),
+        ],
         switches: &[],
     },
     Preset {
@@ -51,7 +57,7 @@ const PRESETS: &[Preset] = &[
         help: "A patch that grows around a place as far as it can lie flat. Choose the place with Circle start.",
         sample: "plush_bear",
         texts: &[("init", "circle")],
-        numbers: &[("radius", 0.12), ("hencky", 3000.0), ("area", 25.0), ("length", 0.6)],
+        numbers: &[("radius", 0.12), ("hencky", 3000.0), ("area", 8.0), ("length", 0.6)],
         switches: &[("one_sided", true), ("coarse", false)],
     },
     Preset {

@@ -42,6 +42,8 @@ pub struct Scene {
     pub mark_points: Vec<f32>,
     /// Lines to point at: 6 per segment, in the frame of `positions`.
     pub mark_segments: Vec<f32>,
+    /// Whether the surface is shown in another shape than its own: soft shade of its hollows would lie in the wrong places.
+    pub is_folded: bool,
     /// 0 for the first scene of a mesh, then counting: a viewer refits its camera when this is 0.
     pub revision: u32,
 }

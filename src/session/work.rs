@@ -122,6 +122,10 @@ impl Work {
         self.history.pop();
         self.history.push(now);
         self.stages = None;
+        if now.step == 0 {
+            // The start is what it is measured by now.
+            self.start = None;
+        }
     }
 
     fn vertex_count(&self) -> usize {
@@ -260,6 +264,9 @@ impl Work {
             let energy = flow.state().energy();
             rows.push(row("dirichlet", "Dirichlet ∫|∇u|²", "", energy.dirichlet));
             rows.push(row("hencky", "Hencky ∫u²", "", energy.hencky));
+        }
+        if let Some(flow) = self.flow.as_ref().filter(|flow| flow.params().schedule.is_some()) {
+            rows.push(row("alpha", "Length weight α now", "/√A", flow.weights().length));
         }
         if layout.disk_cut_length > 0.0 {
             rows.push(row("disk_cuts", "Added for disks", "√A", layout.disk_cut_length));

@@ -132,7 +132,7 @@ pub fn geometry(scene: &Scene, occlusion: &mut Occlusion) -> Vec<u8> {
     for vertex in 0..scene.vertex_count() as u32 {
         let (position, normal) = (position(scene, vertex), normal(scene, vertex));
         push_floats(&mut bytes, &position.to_array());
-        let openness = occlusion.openness(position, normal);
+        let openness = if scene.is_folded { 1.0 } else { occlusion.openness(position, normal) };
         for x in [normal.x, normal.y, normal.z, openness] {
             bytes.extend(((x * f32::from(i16::MAX)).round() as i16).to_le_bytes());
         }

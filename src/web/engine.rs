@@ -156,6 +156,7 @@ fn scene_object(scene: &Scene) -> Result<JsValue, JsValue> {
     }
     set(&object, "patches", &patches)?;
     set(&object, "sheet", &numbers(&scene.sheet))?;
+    set(&object, "is_folded", &scene.is_folded.into())?;
     set(&object, "revision", &scene.revision.into())?;
     let field = match &scene.field {
         None => JsValue::NULL,

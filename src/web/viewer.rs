@@ -206,6 +206,7 @@ fn read_scene(object: &JsValue) -> Result<Scene, JsError> {
         },
         mark_points: floats("mark_points")?,
         mark_segments: floats("mark_segments")?,
+        is_folded: get(object, "is_folded")?.is_truthy(),
         revision: number(object, "revision")? as u32,
     })
 }

@@ -27,6 +27,12 @@ function spread(wanted, floor) {
   return at;
 }
 
+/** A tick without decimals that say nothing. */
+function label(tick) {
+  const text = short(tick);
+  return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+}
+
 export function energyPlot(host) {
   let points = [];
   let size = { width: 0, height: 0 };
@@ -55,15 +61,18 @@ export function energyPlot(host) {
     const yTicks = ticks(Math.max(...points.map((point) => point.total), 1e-12), Math.min(5, Math.max(2, Math.floor(height / 36))));
     const top = Math.max(yTicks.at(-1), ...points.map((point) => point.total), 1e-12);
     const x = (step) => LEFT + ((right - LEFT) * step) / Math.max(1, last.step);
-    const y = (energy) => floor - ((floor - TOP) * energy) / top;
+    // A reward may take the energy below zero.
+    const base = Math.min(0, ...points.flatMap((point) => [point.total, ...point.terms.map((term) => term.value)]));
+    const y = (energy) => floor - ((floor - TOP) * (energy - base)) / (top - base);
 
     // All values with the decimals of the largest, so that they can be added up by eye.
-    const digits = last.total >= 1000 ? 0 : last.total >= 100 ? 1 : last.total >= 1 ? 2 : 4;
+    const size = Math.max(...names.map((name, line) => Math.abs(value(last, line))));
+    const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 1 ? 2 : 4;
 
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     const nodes = yTicks.flatMap((tick) => [
       s("path", { class: "grid", d: `M${LEFT} ${Math.round(y(tick)) + 0.5}H${right}` }),
-      s("text", { class: "ax", x: LEFT - 6, y: y(tick) + 4, "text-anchor": "end" }, short(tick).replace(/\.?0+$/, "") || "0"),
+      s("text", { class: "ax", x: LEFT - 6, y: y(tick) + 4, "text-anchor": "end" }, label(tick)),
     ]);
     for (const tick of ticks(last.step, Math.max(2, Math.floor((right - LEFT) / 70)), true)) {
       nodes.push(s("text", { class: "ax", x: x(tick), y: height - 4, "text-anchor": "middle" }, count(tick)));

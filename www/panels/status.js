@@ -40,7 +40,7 @@ export function statusPanel({ run, pause, step, reset }) {
   function summary() {
     const parts = [];
     if (pace.steps > 0) parts.push(`${fixed(pace.spent / pace.steps, pace.spent / pace.steps < 10 ? 1 : 0)} ms per step`);
-    if (energy.start > 0 && energy.now < energy.start) {
+    if (energy.start > 0 && energy.now >= 0 && energy.now < energy.start) {
       parts.push(`J down ${fixed(100 * (1 - energy.now / energy.start), 1)} %`);
     }
     return parts.join(", ");
@@ -50,7 +50,8 @@ export function statusPanel({ run, pause, step, reset }) {
   const isUncut = () => state === "ready" && energy.start === null;
 
   function enable() {
-    const canStart = STARTABLE.includes(state) && blocked === null;
+    // After an error the last good cut is still there.
+    const canStart = (STARTABLE.includes(state) || (state === "error" && energy.start !== null)) && blocked === null;
     // A button that the keyboard stands on hands the focus to the one that takes its place.
     const focused = document.activeElement;
     buttons.run.disabled = !canStart;

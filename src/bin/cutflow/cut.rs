@@ -14,13 +14,14 @@ use super::{
 };
 
 /// Initial cuts with a name; anything else is a file.
-const INITS: [&str; 10] = [
+const INITS: [&str; 11] = [
     "plane",
     "circle",
     "normals",
     "curvature",
     "random",
     "seeds",
+    "painted",
     "uv",
     "groups",
     "materials",
@@ -44,7 +45,7 @@ pub struct CutArgs {
     /// Settings for a purpose: ball, upholstery, plush, bandage, vase, heat or atlas. Other options change them.
     #[arg(long)]
     preset: Option<String>,
-    /// The initial cut: plane, circle, normals, curvature, random, seeds, uv, groups, materials, volleyball, or a cut.json.
+    /// The initial cut: plane, circle, normals, curvature, random, seeds, painted, uv, groups, materials, volleyball, or a cut.json.
     #[arg(long)]
     init: Option<String>,
     /// The distortion to lower: Hencky if not given.
@@ -302,6 +303,9 @@ pub fn run(args: &CutArgs) -> Result<(), Problem> {
         make_folder(folder)?;
     }
     bring(&mut session, args)?;
+    if args.symmetry.iter().any(|id| id == "list") {
+        return Ok(());
+    }
     let clock = clock();
     let is_quiet = writes_to_stdout(&args.report);
     if args.steps != Some(0) {

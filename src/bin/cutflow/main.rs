@@ -53,7 +53,7 @@ enum Task {
     /// Divides a surface into other triangles and writes it as OBJ.
     Prepare(PrepareArgs),
     /// Moves a cut to lower the distortion of its pieces.
-    Cut(cut::CutArgs),
+    Cut(Box<cut::CutArgs>),
     /// Flattens a mesh along a cut and measures the result.
     Flatten(FlattenArgs),
 }

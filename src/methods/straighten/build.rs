@@ -181,7 +181,7 @@ impl Builder<'_, '_> {
         match self.cut.points[p as usize] {
             SurfacePoint::Vertex(v) => Place::Vertex(v),
             SurfacePoint::Edge(e, t) => Place::Edge(e, t),
-            SurfacePoint::Face(f, w) => Place::Face(f, self.network.flat.from_weights(f, w)),
+            SurfacePoint::Face(f, w) => Place::Face(f, self.network.flat.place_of_weights(f, w)),
         }
     }
 

@@ -95,7 +95,7 @@ impl<'a> Flat<'a> {
         weights.map(|w| if area > 0.0 { w / area } else { 1.0 / 3.0 })
     }
 
-    pub fn from_weights(&self, f: FaceId, weights: [f64; 3]) -> Vector2<f64> {
+    pub fn place_of_weights(&self, f: FaceId, weights: [f64; 3]) -> Vector2<f64> {
         let [a, b, c] = self.corners(f);
         a * weights[0] + b * weights[1] + c * weights[2]
     }

@@ -1,6 +1,11 @@
 //! Changes of the sequence of edges that curves cross: past a vertex, past an end of a boundary edge, of a junction into the next
 //! face, and the removal of crossings that a curve takes back.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::flat::Place;
@@ -250,7 +255,8 @@ pub(super) fn cross_edge(net: &mut Network, node: u32, e: EdgeId, t: f64) -> boo
         return false;
     }
     let crosses = |n: u32| matches!(net.place(n), Place::Edge(d, _) if d == e);
-    let (mut there, mut here): (Vec<(u32, u32)>, Vec<(u32, u32)>) =
+    type Ends = Vec<(u32, u32)>;
+    let (mut there, mut here): (Ends, Ends) =
         arms.iter().map(|&a| (a, net.other_end(a, node))).partition(|&(_, n)| crosses(n));
 
     // The gap between the crossings that stay.
@@ -299,7 +305,7 @@ pub(super) fn cross_edge(net: &mut Network, node: u32, e: EdgeId, t: f64) -> boo
     let s = super::flat::along(mesh.face_halfedges(g)[side], t);
     weights[side] = (1.0 - s) * (1.0 - 4.0 * GAP);
     weights[(side + 1) % 3] = s * (1.0 - 4.0 * GAP);
-    let place = Place::Face(g, net.flat.from_weights(g, weights));
+    let place = Place::Face(g, net.flat.place_of_weights(g, weights));
 
     let centre = End::New(u32::MAX, place);
     // Where the new arms are straight, in order and apart.

@@ -16,6 +16,11 @@
 //! the end, and the old cut is given back where they did not); every triangle has an area; the mesh's vertices come first;
 //! the same input gives the same cut. Not guaranteed: the shortest network; a junction of four arms does not split into two.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 mod build;
 mod flat;
 mod hop;

@@ -80,7 +80,7 @@ fn divide(net: &Network, f: FaceId, numbers: &[u32]) -> Option<Vec<[u32; 3]>> {
     let mut add = |name: u32, weights: [f64; 3]| {
         names.push(name);
         exact.push(Vector2::new(weights[1], weights[2]));
-        let x = net.flat.from_weights(f, weights);
+        let x = net.flat.place_of_weights(f, weights);
         places.push([x.x, x.y, 0.0]);
     };
     for i in 0..3 {

@@ -1,5 +1,10 @@
 //! Sweeps: each crossing slides to where its curve is straight, each junction to where its arms balance.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use nalgebra::{Matrix2, Vector2};
 
 use super::flat::Place;
