@@ -14,7 +14,7 @@ use super::cut_file::labels_from_json;
 use super::message::{Event, Value};
 use super::surface::Surface;
 use super::text::Problem;
-use super::work::Pending;
+use super::work::{Pending, start_flow};
 use super::{Session, nothing_open};
 use crate::geometry::visibility;
 
@@ -44,7 +44,7 @@ pub enum Brought<'a> {
 impl Session {
     /// Takes something in; the flow starts from it, or acts on it from the next step on.
     pub fn bring(&mut self, what: Brought) -> Vec<Event> {
-        let mut events = Vec::new();
+        let mut events = std::mem::take(&mut self.late);
         if let Err(problem) = self.bring_in(what, &mut events) {
             self.refuse(problem, &mut events);
         }
@@ -55,6 +55,10 @@ impl Session {
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let surface = work.document.surface()?;
         let mut layers = work.layers.clone();
+        let label = match what {
+            Brought::Cut { .. } => "bring a cut",
+            _ => "bring a layer",
+        };
         let (pending, init) = match what {
             Brought::Layer { channel, values } => {
                 let values = of_vertices(surface, channel, values)?;
@@ -97,24 +101,47 @@ impl Session {
                 (Pending::Restart, Some("file"))
             }
             Brought::Eye(place) => {
+                if !place.iter().all(|x| x.is_finite()) {
+                    return Err(Problem::new(
+                        "The place to hide from is nowhere.",
+                        "Hide seams from a place.",
+                        "Give three finite numbers in units of the file.",
+                    ));
+                }
                 let eye = (Point3::from(place) - surface.frame.centre) * surface.frame.scale;
                 layers.penalty =
                     Rc::new(visibility(&surface.mesh, &surface.geometry, Point3::from(eye)));
                 (Pending::Fields, None)
             }
         };
+        let mut settings = work.settings.clone();
+        if let Some(init) = init {
+            settings.put("init", Value::Text(init.into()));
+        }
+        // Try before anything changes.
+        let flow = match pending {
+            Pending::Restart => Some(start_flow(&work.document, &settings, &layers, None)?),
+            _ => None,
+        };
+        self.remember(label, label);
         let Some(work) = &mut self.work else { return Ok(()) };
         work.layers = layers;
-        work.pending = work.pending.max(pending);
-        if let Some(init) = init {
-            work.settings.put("init", Value::Text(init.into()));
+        work.settings = settings;
+        match flow {
+            Some(flow) => {
+                work.begin(flow);
+                self.push_energy(events);
+            }
+            None => {
+                work.pending = work.pending.max(pending);
+                self.catch_up(events)?;
+            }
         }
-        // Before anything else is asked for, so that errors come here.
-        self.catch_up(events)?;
         events.push(self.parameters());
         events.push(self.presets());
         events.push(self.paint_channels());
         self.settle(events);
+        events.push(self.history_event());
         events.push(self.status());
         events.push(Event::Scene);
         Ok(())

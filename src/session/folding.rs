@@ -48,6 +48,17 @@ impl Session {
         Ok(())
     }
 
+    pub(super) fn is_folded(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| work.fold.is_some())
+    }
+
+    /// Says so when a change of the cut has ended a preview.
+    pub(super) fn tell_unfolded(&self, was_folded: bool, events: &mut Vec<Event>) {
+        if was_folded && !self.is_folded() {
+            events.push(self.fold_event());
+        }
+    }
+
     pub(super) fn is_folding(&self) -> bool {
         let fold = self.work.as_ref().and_then(|work| work.fold.as_ref());
         fold.is_some_and(|fold| fold.is_running)

@@ -89,6 +89,7 @@ impl Session {
     /// Does what a person asks for, in short time.
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
+        let was_folded = self.is_folded();
         if !goes_along_with_preparing(&command) && self.preparation.take().is_some() {
             events.push(self.status());
         }
@@ -152,13 +153,14 @@ impl Session {
         if let Err(problem) = result {
             self.refuse(problem, &mut events);
         }
+        self.tell_unfolded(was_folded, &mut events);
         events
     }
 
     /// Opens a file. What was open stays open if the file cannot be used.
     pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
         if self.work.is_some() && cut_file::is_cut_file(bytes) {
-            self.remember("bring a cut", "bring");
+            self.preparation = None;
             return self.bring(Brought::Cut { name, bytes });
         }
         let mut events = std::mem::take(&mut self.late);
@@ -172,6 +174,7 @@ impl Session {
     /// Steps the running flow while `go_on` says so, at least once.
     pub fn advance(&mut self, go_on: &mut dyn FnMut() -> bool) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
+        let was_folded = self.is_folded();
         while self.is_running() {
             // A mesh that is being made anew needs no cut before.
             let stepped = if self.preparation.is_some() {
@@ -205,6 +208,7 @@ impl Session {
         {
             self.settle(&mut events);
         }
+        self.tell_unfolded(was_folded, &mut events);
         events.push(self.status());
         events.push(Event::Scene);
         events

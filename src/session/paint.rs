@@ -112,7 +112,8 @@ impl Session {
                         seeds.remove(i);
                     }
                 }
-                if seeds.is_empty() { Pending::None } else { Pending::Restart }
+                // Cells around a single seed are no cut: the one that is there stays until there is a second seed.
+                if seeds.len() < 2 { Pending::None } else { Pending::Restart }
             }
             _ => {
                 let layer = layers.amounts(channel);
@@ -131,6 +132,7 @@ impl Session {
         if begins {
             self.remember(&format!("paint {}", label.to_lowercase()), "paint");
         }
+        let channel = if channel == "seed" && pending == Pending::None { "" } else { channel };
         self.put_layers(channel, layers, pending, events);
         Ok(())
     }

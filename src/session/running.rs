@@ -31,6 +31,9 @@ impl Session {
 
     pub(super) fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
+        if let Some(fold) = self.work.as_mut().and_then(|work| work.fold.as_mut()) {
+            fold.is_running = false;
+        }
         if self.work.as_ref().is_some_and(|work| !work.is_settled) {
             self.settle(events);
         }

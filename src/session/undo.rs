@@ -65,6 +65,7 @@ impl Session {
         }
         let mut work = Work::new(target.document, target.settings, flow);
         work.layers = target.layers;
+        work.pending = target.pending;
         work.history = target.history;
         work.start = target.start;
         work.first_cut_is_due = target.first_cut_is_due;

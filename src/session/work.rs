@@ -14,7 +14,9 @@ use super::text::Problem;
 use super::{nothing_open, picture, size};
 use crate::geometry::Symmetry;
 use crate::mesh::CutMesh;
-use crate::methods::cutflow::{Checkpoint, CutFields, CutFlow, Pointwise, Stages, Weights};
+use crate::methods::cutflow::{
+    Checkpoint, CutFields, CutFlow, Initial, Pointwise, Stages, Weights,
+};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::{self, Pattern, Sheet, SheetParams};
 
@@ -64,6 +66,7 @@ pub(super) struct Snapshot {
     pub document: Rc<Document>,
     pub settings: Settings,
     pub layers: Layers,
+    pub pending: Pending,
     pub checkpoint: Option<Checkpoint>,
     pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
@@ -103,12 +106,11 @@ impl Work {
     /// measured; from the current cut on where they were not.
     pub fn remeasure(&mut self) {
         let Some(flow) = &self.flow else { return };
-        let weights = *flow.weights();
         for row in &mut self.history {
-            *row = row.reweighted(&weights);
+            *row = row.reweighted(&flow.params().weights_at(row.step));
         }
         if let Some(last) = self.history.last_mut() {
-            *last = HistoryRow::new(flow.steps(), &flow.state().energy(), &weights);
+            *last = HistoryRow::new(flow.steps(), &flow.state().energy(), flow.weights());
         }
         self.stages = None;
     }
@@ -141,6 +143,7 @@ impl Work {
             document: self.document.clone(),
             settings: self.settings.clone(),
             layers: self.layers.clone(),
+            pending: self.pending,
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
             first_cut_is_due: self.first_cut_is_due,
             history: self.history.clone(),
@@ -175,6 +178,7 @@ impl Work {
         self.flow = Some(flow);
         self.pending = Pending::None;
         self.stages = None;
+        self.fold = None;
         self.first_cut_is_due = false;
         self.start = None;
         self.is_settled = false;
@@ -190,13 +194,19 @@ impl Work {
             let layout =
                 Layout::preview(surface, flow.cut_mesh(), flow.factor(), packing).map_err(wrong)?;
             if layout.is_complete() {
-                self.layout = Some(layout);
+                self.put_layout(layout);
                 return Ok(());
             }
         }
         let layout = Layout::full(surface, self.cut_mesh(surface), packing).map_err(wrong)?;
-        self.layout = Some(layout);
+        self.put_layout(layout);
         Ok(())
+    }
+
+    /// A fold belongs to the layout that it was made of.
+    fn put_layout(&mut self, layout: Layout) {
+        self.layout = Some(layout);
+        self.fold = None;
     }
 
     pub fn settle(&mut self) -> Result<(), Problem> {
@@ -209,7 +219,7 @@ impl Work {
         };
         let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing)
             .map_err(|error| Problem::solve(&surface.name, &error))?;
-        self.layout = Some(layout);
+        self.put_layout(layout);
         self.is_settled = true;
         if self.start.is_none() {
             self.start = Some(self.rows());
@@ -434,7 +444,11 @@ pub(super) fn start_flow(
 ) -> Result<CutFlow, Problem> {
     let wrong = |error| Problem::solve(&document.name, &error);
     let surface = document.surface()?;
-    let initial = inputs::initial(settings, layers, surface)?;
+    // A cut that was there can be made again whatever the parameters would start from now.
+    let initial = match checkpoint {
+        Some(checkpoint) => Initial::Labels(checkpoint.labels().to_vec()),
+        None => inputs::initial(settings, layers, surface)?,
+    };
     let (mesh, geometry) = surface.solving();
     let fields = inputs::fields(settings, layers, mesh.vertex_count());
     let params = settings.flow_params();
