@@ -293,12 +293,13 @@ impl Session {
         let folded = work.fold.as_ref().map(|fold| fold.flow.positions());
         let field = values.as_deref().map(|values| picture::Painted::new(&self.field, values));
         let u = work.u();
+        let is_heated = self.field == "u" && work.settings.text("source") != "curvature";
         let scene = picture::scene(
             surface,
             layout,
             &colours,
             &u,
-            &self.field,
+            if is_heated { picture::TEMPERATURE } else { &self.field },
             field,
             folded,
             work.revision,
