@@ -92,7 +92,16 @@ impl Session {
                             )
                         })
                     })
-                    .collect::<Result<_, _>>()?;
+                    .collect::<Result<Vec<_>, _>>()?;
+                // Here the numbers are still those of the file.
+                if let Some(i) = (1..vertices.len()).find(|&i| vertices[..i].contains(&vertices[i]))
+                {
+                    return Err(Problem::new(
+                        format!("Vertex {} is a seed twice.", seeds[i]),
+                        "Seeds.",
+                        "Leave one of the two out.",
+                    ));
+                }
                 layers.seeds = Rc::new(vertices);
                 (Pending::Restart, Some("seeds"))
             }

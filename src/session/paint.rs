@@ -112,8 +112,8 @@ impl Session {
                         seeds.remove(i);
                     }
                 }
-                // Cells around a single seed are no cut: the one that is there stays until there is a second seed.
-                if seeds.len() < 2 { Pending::None } else { Pending::Restart }
+                // Without seeds the cut that is there stays.
+                if seeds.is_empty() { Pending::None } else { Pending::Restart }
             }
             _ => {
                 let layer = layers.amounts(channel);

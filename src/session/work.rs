@@ -106,11 +106,13 @@ impl Work {
     /// measured; from the current cut on where they were not.
     pub fn remeasure(&mut self) {
         let Some(flow) = &self.flow else { return };
+        let params = flow.params();
         for row in &mut self.history {
-            *row = row.reweighted(&flow.params().weights_at(row.step));
+            *row = row.reweighted(&params.weights_at(row.step));
         }
         if let Some(last) = self.history.last_mut() {
-            *last = HistoryRow::new(flow.steps(), &flow.state().energy(), flow.weights());
+            let weights = params.weights_at(flow.steps());
+            *last = HistoryRow::new(flow.steps(), &flow.state().energy(), &weights);
         }
         self.stages = None;
     }

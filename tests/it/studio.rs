@@ -280,12 +280,18 @@ fn undo_needs_no_paint_that_has_been_cleared() {
 fn seeds_are_set_and_taken_away() {
     let mut session = halves(10);
     let before = session.labels();
-    // Cells around one seed would be no cut.
-    let events = stroke(&mut session, "seed", EAST, 0.1, 1.0);
-    assert_eq!(errors(&events), Vec::<String>::new());
-    assert_eq!((painted(&events), session.is_running()), (vec!["seed".to_owned()], false));
-    let events = paint(&mut session, "seed", WEST, 0.1, 1.0);
+    // To take one away where there is none changes no cut.
+    let events = stroke(&mut session, "seed", EAST, 0.1, 0.0);
+    assert!(errors(&events).is_empty() && !session.is_running());
+    session.handle(Command::Undo);
+    // A single seed is the centre of a circle of geodesic radius 0.3 √A: an angle of 61°.
+    let events = paint(&mut session, "seed", EAST, 0.1, 1.0);
+    assert_eq!(painted(&events), ["seed"]);
+    let (near, circle) = (distances(&session, EAST), session.labels());
+    let is_in = |v: usize| circle[v] == circle[(0..near.len()).find(|&v| near[v] < 0.1).unwrap()];
+    assert!((0..near.len()).all(|v| is_in(v) == (near[v] < 1.01) || (near[v] - 1.01).abs() < 0.1));
     assert_eq!(text(&events, "init"), "seeds");
+    paint(&mut session, "seed", WEST, 0.1, 1.0);
     let (east, west, two) =
         (distances(&session, EAST), distances(&session, WEST), session.labels());
     let label = |d: &[f64]| two[(0..d.len()).min_by(|&a, &b| d[a].total_cmp(&d[b])).unwrap()];
@@ -301,9 +307,13 @@ fn seeds_are_set_and_taken_away() {
     // The nearest one goes, wherever exactly the click was.
     paint(&mut session, "seed", [0.9, 0.3, 0.0], 0.1, 0.0);
     assert_eq!(session.labels(), two);
+    paint(&mut session, "seed", WEST, 0.1, 0.0);
+    assert_eq!(session.labels(), circle);
+    // Without any seed the cut stays.
     let events = stroke(&mut session, "seed", EAST, 0.1, 0.0);
-    assert!(errors(&events).is_empty() && !session.is_running());
-    for _ in 0..5 {
+    assert!(errors(&events).is_empty() && painted(&events).is_empty() && !session.is_running());
+    assert_eq!(session.labels(), circle);
+    for _ in 0..6 {
         assert_eq!(errors(&session.handle(Command::Undo)), Vec::<String>::new());
     }
     assert_eq!(session.labels(), before);
@@ -561,16 +571,23 @@ fn the_cut_of_a_ball_keeps_the_mirrors_that_are_chosen() {
     set(&mut session, "dirichlet", Value::Number(3.0));
     set(&mut session, "hencky", Value::Number(0.0));
     steps(&mut session, 8);
-    let (free, _) = asymmetry(&session, &|i| i == 0);
-    let events = session.handle(Command::SetSymmetry { ids: vec!["mirror-1".into()] });
+    // A mirror whose plane the circle of the start crosses: it leaves the cut free to move.
+    let s = surface(&session);
+    let found = find_symmetries(&s.mesh, &s.geometry, 0.02);
+    let mirrors: Vec<_> = found.iter().filter(|x| x.kind == SymmetryKind::Mirror).collect();
+    let chosen = mirrors.iter().position(|m| m.direction.x.abs() < 1e-9).unwrap();
+    let (free, _) = asymmetry(&session, &|i| i == chosen);
+    let id = format!("mirror-{}", chosen + 1);
+    let events = session.handle(Command::SetSymmetry { ids: vec![id.clone()] });
     assert_eq!(errors(&events), Vec::<String>::new());
+    assert!(choices(&events).iter().all(|c| c.on == (c.id == id)));
     assert_eq!(session.history().len(), 1, "from a new start");
     steps(&mut session, 8);
     let rows = session.history();
-    assert!(rows.last().unwrap().total < rows[0].total, "{rows:?}");
-    let (wrong, cut) = asymmetry(&session, &|i| i == 0);
-    // Twice a handful of vertices on the plane.
-    assert!(wrong <= cut / 20 && wrong < free.max(1), "{wrong} of {cut}, {free} without");
+    assert!(rows.len() > 4 && rows.last().unwrap().total < rows[0].total, "{rows:?}");
+    let (wrong, cut) = asymmetry(&session, &|i| i == chosen);
+    // Vertices on the plane itself go to one of two sides.
+    assert!(wrong <= cut / 20 && wrong <= free, "{wrong} of {cut}, {free} without");
     let events = session.handle(Command::SetSymmetry { ids: Vec::new() });
     assert!(choices(&events).iter().all(|c| !c.on));
 }
