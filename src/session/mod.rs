@@ -439,7 +439,7 @@ impl Session {
         if let Some(old) = old {
             work.revision = old.revision.max(1);
             work.layout = old.layout;
-            work.symmetries = old.symmetries;
+            work.symmetries = old.symmetries.or(work.symmetries);
         }
         if is_other {
             events.push(Event::Mesh(work.document.summary.clone()));

@@ -83,7 +83,7 @@ impl Session {
                     },
                 ));
             };
-            chosen.push(symmetry.clone());
+            chosen.push(*symmetry);
         }
         let maps = if chosen.is_empty() {
             Vec::new()

@@ -518,7 +518,7 @@ fn asymmetry(session: &Session, pick: &dyn Fn(usize) -> bool) -> (usize, usize) 
     let labels = session.labels();
     let (mut wrong, mut cut) = (0, 0);
     for (_, mirror) in mirrors.iter().enumerate().filter(|(i, _)| pick(*i)) {
-        let group = symmetry_group(&s.mesh, &s.geometry, &[(*mirror).clone()], 2).unwrap();
+        let group = symmetry_group(&s.mesh, &s.geometry, &[**mirror], 2).unwrap();
         let image = |v: VertexId| {
             let (corners, weights) = group[0].image(v);
             corners[(0..3).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap()]
@@ -588,6 +588,11 @@ fn the_cut_of_a_ball_keeps_the_mirrors_that_are_chosen() {
     let (wrong, cut) = asymmetry(&session, &|i| i == chosen);
     // Vertices on the plane itself go to one of two sides.
     assert!(wrong <= cut / 20 && wrong <= free, "{wrong} of {cut}, {free} without");
+    // Another mesh in between forgets nothing.
+    session.open("other.obj", ball(6).as_bytes());
+    assert!(session.symmetry_choices().is_empty());
+    let events = session.handle(Command::Undo);
+    assert!(choices(&events).iter().all(|c| c.on == (c.id == id)));
     let events = session.handle(Command::SetSymmetry { ids: Vec::new() });
     assert!(choices(&events).iter().all(|c| !c.on));
 }
