@@ -45,7 +45,7 @@ pub enum Brought<'a> {
 impl Session {
     /// Takes something in; the flow starts from it, or acts on it from the next step on.
     pub fn bring(&mut self, what: Brought) -> Vec<Event> {
-        let mut events = Vec::new();
+        let mut events = std::mem::take(&mut self.late);
         if let Err(problem) = self.bring_in(what, &mut events) {
             self.refuse(problem, &mut events);
         }
@@ -57,6 +57,10 @@ impl Session {
         let surface = work.document.surface()?;
         let mut layers = work.layers.clone();
         let mut settings = work.settings.clone();
+        let label = match what {
+            Brought::Cut { .. } => "bring a cut",
+            _ => "bring a layer",
+        };
         let (pending, init) = match what {
             Brought::Layer { channel, values } => {
                 let values = of_vertices(surface, channel, values)?;
@@ -93,7 +97,16 @@ impl Session {
                             )
                         })
                     })
-                    .collect::<Result<_, _>>()?;
+                    .collect::<Result<Vec<_>, _>>()?;
+                // Here the numbers are still those of the file.
+                if let Some(i) = (1..vertices.len()).find(|&i| vertices[..i].contains(&vertices[i]))
+                {
+                    return Err(Problem::new(
+                        format!("Vertex {} is a seed twice.", seeds[i]),
+                        "Seeds.",
+                        "Leave one of the two out.",
+                    ));
+                }
                 layers.seeds = Rc::new(vertices);
                 (Pending::Restart, Some("seeds"))
             }
@@ -102,6 +115,13 @@ impl Session {
                 (Pending::Restart, Some("file"))
             }
             Brought::Eye(place) => {
+                if !place.iter().all(|x| x.is_finite()) {
+                    return Err(Problem::new(
+                        "The place to hide from is nowhere.",
+                        "Hide seams from a place.",
+                        "Give three finite numbers in units of the file.",
+                    ));
+                }
                 let eye = (Point3::from(place) - surface.frame.centre) * surface.frame.scale;
                 let seen = visibility(&surface.mesh, &surface.geometry, Point3::from(eye));
                 layers.penalty = Rc::new(with_paint(&layers.penalty, seen));
@@ -116,7 +136,7 @@ impl Session {
             Pending::Restart => Some(start_flow(&work.document, &settings, &layers, None)?),
             _ => None,
         };
-        self.remember("bring a cut or a layer", "bring");
+        self.remember(label, label);
         let Some(work) = &mut self.work else { return Ok(()) };
         work.layers = layers;
         work.settings = settings;
@@ -135,6 +155,7 @@ impl Session {
         events.push(self.presets());
         events.push(self.paint_channels());
         self.settle(events);
+        events.push(self.history_event());
         events.push(self.status());
         events.push(Event::Scene);
         Ok(())

@@ -21,7 +21,11 @@ impl Session {
     /// Begins a preview of the cut at rest. A running flow is paused.
     pub(super) fn fold(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
+        let was_settled = self.work.as_ref().is_some_and(|work| work.is_settled);
         self.settled()?;
+        if !was_settled {
+            events.extend(self.work.as_ref().map(super::work::Work::measures));
+        }
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         let Some(layout) = &work.layout else { return Err(nothing_open()) };
         let wrong = |error| Problem::solve(&work.document.name, &error);
@@ -46,6 +50,17 @@ impl Session {
         events.push(self.status());
         events.push(Event::Scene);
         Ok(())
+    }
+
+    pub(super) fn is_folded(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| work.fold.is_some())
+    }
+
+    /// Says so when a change of the cut has ended a preview.
+    pub(super) fn tell_unfolded(&self, was_folded: bool, events: &mut Vec<Event>) {
+        if was_folded && !self.is_folded() {
+            events.push(self.fold_event());
+        }
     }
 
     pub(super) fn is_folding(&self) -> bool {

@@ -89,6 +89,7 @@ impl Session {
     /// Does what a person asks for, in short time.
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
+        let was_folded = self.is_folded();
         if !goes_along_with_preparing(&command) && self.preparation.take().is_some() {
             events.push(self.status());
         }
@@ -158,12 +159,14 @@ impl Session {
             // What was asked for is not in force: controls go back to what is.
             events.push(self.parameters());
         }
+        self.tell_unfolded(was_folded, &mut events);
         events
     }
 
     /// Opens a file. What was open stays open if the file cannot be used.
     pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
         if self.work.is_some() && cut_file::is_cut_file(bytes) {
+            self.preparation = None;
             return self.bring(Brought::Cut { name, bytes });
         }
         let mut events = std::mem::take(&mut self.late);
@@ -177,6 +180,7 @@ impl Session {
     /// Steps the running flow while `go_on` says so, at least once.
     pub fn advance(&mut self, go_on: &mut dyn FnMut() -> bool) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
+        let was_folded = self.is_folded();
         while self.is_running() {
             // A mesh that is being made anew needs no cut before.
             let stepped = if self.preparation.is_some() {
@@ -210,6 +214,7 @@ impl Session {
         {
             self.settle(&mut events);
         }
+        self.tell_unfolded(was_folded, &mut events);
         events.push(self.status());
         events.push(Event::Scene);
         events
@@ -307,12 +312,13 @@ impl Session {
         let folded = work.fold.as_ref().map(|fold| fold.flow.positions());
         let field = values.as_deref().map(|values| picture::Painted::new(&self.field, values));
         let u = work.u();
+        let is_heated = self.field == "u" && work.settings.text("source") != "curvature";
         let scene = picture::scene(
             surface,
             layout,
             &colours,
             &u,
-            &self.field,
+            if is_heated { picture::TEMPERATURE } else { &self.field },
             field,
             folded,
             work.revision,
@@ -459,7 +465,7 @@ impl Session {
         if let Some(old) = old {
             work.revision = old.revision.max(1);
             work.layout = old.layout;
-            work.symmetries = old.symmetries;
+            work.symmetries = old.symmetries.or(work.symmetries);
         }
         if is_other {
             events.push(Event::Mesh(work.document.summary.clone()));
@@ -546,7 +552,6 @@ impl Session {
                 work.begin(flow);
                 self.push_energy(events);
                 self.settle(events);
-                events.push(self.fold_event());
                 events.push(Event::Scene);
             }
             (Effect::NextStep | Effect::Restart, None) => {

@@ -116,6 +116,7 @@ impl Session {
                         seeds.remove(i);
                     }
                 }
+                // Without seeds the cut that is there stays.
                 if seeds.is_empty() { Pending::None } else { Pending::Restart }
             }
             _ => {
@@ -136,6 +137,7 @@ impl Session {
         if begins || self.undo.last().is_none_or(|last| last.kind != "paint") {
             self.remember(&format!("paint {}", label.to_lowercase()), "paint");
         }
+        let channel = if channel == "seed" && pending == Pending::None { "" } else { channel };
         self.put_layers(channel, layers, pending, events);
         Ok(())
     }

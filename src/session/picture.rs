@@ -16,6 +16,9 @@ use crate::mesh::{FaceId, OpenedMesh, SurfacePoint};
 /// Colours of the palette.
 const COLOURS: usize = 9;
 
+/// The field u where it is no scale factor: of a uniform or painted source.
+pub const TEMPERATURE: &str = "temperature";
+
 /// Bins of a field's histogram.
 const BINS: usize = 32;
 
@@ -306,6 +309,8 @@ fn field_values(
             let values = flow.iter().zip(charts).map(|(f, c)| if c.is_finite() { *c } else { *f });
             Some(("u", "Scale factor u", values.collect(), true))
         }
+        // What another source than the curvature makes has nothing to do with charts.
+        TEMPERATURE => Some(("u", "Temperature u", on_points(u, &|_| 0.0), true)),
         "curvature" => {
             let curvature = &surface.vertex_curvatures;
             let between = |point| match point {

@@ -95,7 +95,6 @@ impl Session {
         }
         self.push_energy(events);
         self.settle(events);
-        events.push(self.fold_event());
         events.push(self.history_event());
         events.push(self.status());
         events.push(Event::Scene);
@@ -139,7 +138,8 @@ impl Session {
         let report = flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
         if report.step > before {
             let energy = flow.state().energy();
-            let weights = *flow.weights();
+            // By the weights that a schedule has reached now, as all rows are told when they are measured anew.
+            let weights = flow.params().weights_at(report.step);
             let row = HistoryRow::new(report.step, &energy, &weights);
             work.history.push(row);
             work.is_settled = false;

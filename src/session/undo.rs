@@ -66,6 +66,7 @@ impl Session {
         let mut work = Work::new(target.document, target.settings, flow);
         work.layers = target.layers;
         work.pending = target.pending;
+        work.symmetries = target.symmetries;
         work.history = target.history;
         work.start = target.start;
         work.first_cut_is_due = target.first_cut_is_due;

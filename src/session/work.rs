@@ -67,6 +67,7 @@ pub(super) struct Snapshot {
     pub settings: Settings,
     pub layers: Layers,
     pub pending: Pending,
+    pub symmetries: Option<Rc<Vec<Symmetry>>>,
     pub checkpoint: Option<Checkpoint>,
     pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
@@ -156,6 +157,7 @@ impl Work {
             settings: self.settings.clone(),
             layers: self.layers.clone(),
             pending: self.pending,
+            symmetries: self.symmetries.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
             first_cut_is_due: self.first_cut_is_due,
             history: self.history.clone(),
@@ -206,13 +208,19 @@ impl Work {
             let layout =
                 Layout::preview(surface, flow.cut_mesh(), flow.factor(), packing).map_err(wrong)?;
             if layout.is_complete() {
-                self.layout = Some(layout);
+                self.put_layout(layout);
                 return Ok(());
             }
         }
         let layout = Layout::full(surface, self.cut_mesh(surface), packing).map_err(wrong)?;
-        self.layout = Some(layout);
+        self.put_layout(layout);
         Ok(())
+    }
+
+    /// A fold belongs to the layout that it was made of.
+    fn put_layout(&mut self, layout: Layout) {
+        self.layout = Some(layout);
+        self.fold = None;
     }
 
     pub fn settle(&mut self) -> Result<(), Problem> {
@@ -225,9 +233,7 @@ impl Work {
         };
         let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing)
             .map_err(|error| Problem::solve(&surface.name, &error))?;
-        self.layout = Some(layout);
-        // It was of another layout.
-        self.fold = None;
+        self.put_layout(layout);
         self.is_settled = true;
         if self.start.is_none() {
             self.start = Some(self.rows());

@@ -29,6 +29,8 @@ mod scripts;
 mod solving;
 mod starts;
 mod straightening;
+mod studio;
+mod studio_files;
 mod surfaces;
 mod symmetries;
 mod tidy;

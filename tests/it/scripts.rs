@@ -3,7 +3,7 @@
 use cutflow::mesh::read::{Content, obj};
 use cutflow::session::{Command, Event, Session, Value};
 
-fn errors(events: &[Event]) -> Vec<String> {
+pub(crate) fn errors(events: &[Event]) -> Vec<String> {
     events
         .iter()
         .filter_map(|event| match event {
@@ -16,7 +16,7 @@ fn errors(events: &[Event]) -> Vec<String> {
         .collect()
 }
 
-fn status(events: &[Event]) -> String {
+pub(crate) fn status(events: &[Event]) -> String {
     let mut texts = events.iter().rev().filter_map(|event| match event {
         Event::Status { text, .. } => Some(text.clone()),
         _ => None,
@@ -25,7 +25,7 @@ fn status(events: &[Event]) -> String {
 }
 
 /// The last table of measures: the value now of a row.
-fn measure(events: &[Event], label: &str) -> f64 {
+pub(crate) fn measure(events: &[Event], label: &str) -> f64 {
     let mut tables = events.iter().rev().filter_map(|event| match event {
         Event::Measures { rows, .. } => Some(rows),
         _ => None,
@@ -34,12 +34,12 @@ fn measure(events: &[Event], label: &str) -> f64 {
     row.now.unwrap()
 }
 
-fn set(session: &mut Session, id: &str, value: Value) -> Vec<Event> {
+pub(crate) fn set(session: &mut Session, id: &str, value: Value) -> Vec<Event> {
     session.handle(Command::SetParameter { id: id.into(), value })
 }
 
 /// A small ball as the text of a file, with a vertex in front that no face uses.
-fn ball(n: u32) -> String {
+pub(crate) fn ball(n: u32) -> String {
     let soup = cutflow::session::samples::icosphere(n);
     let mut text = String::from("# a ball\nv 9 9 9\n");
     for [x, y, z] in &soup.positions {

@@ -143,6 +143,13 @@ pub struct Checkpoint {
     symmetric: Symmetric,
 }
 
+impl Checkpoint {
+    /// The label of each vertex there.
+    pub fn labels(&self) -> &[u32] {
+        &self.levels.labels
+    }
+}
+
 impl CutFlow {
     /// Prepares a run: analyses the mesh once and evaluates the initial cut.
     ///
