@@ -434,7 +434,14 @@ impl Session {
         events: &mut Vec<Event>,
     ) {
         // What was painted belongs to the triangles before.
-        if ["painted", "seeds", "file"].contains(&settings.text("init")) {
+        let is_made = self
+            .work
+            .as_ref()
+            .is_some_and(|work| work.settings.text("init") == settings.text("init"));
+        if is_made
+            && !label.starts_with("open ")
+            && ["painted", "seeds", "file"].contains(&settings.text("init"))
+        {
             settings.put("init", Value::Text("normals".into()));
             let text = "What was painted belonged to the mesh before: the cut starts from normal clusters.";
             document.summary.notices.push(NoticeText::new("paint_dropped", 1, text));

@@ -133,6 +133,9 @@ impl Session {
                 Pending::Fields
             }
         };
+        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
+            self.unfold(events)?;
+        }
         // A stroke that goes on after Undo is another one.
         if begins || self.undo.last().is_none_or(|last| last.kind != "paint") {
             self.remember(&format!("paint {}", label.to_lowercase()), "paint");

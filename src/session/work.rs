@@ -108,14 +108,13 @@ impl Work {
     pub fn remeasure(&mut self) {
         let Some(flow) = &self.flow else { return };
         let weights = *flow.weights();
+        let params = *flow.params();
         let now = HistoryRow::new(flow.steps(), &flow.state().energy(), &weights);
-        let is_scheduled = flow.params().schedule.is_some();
         match self.history.last() {
-            // Every step had an α of its own.
-            Some(_) if is_scheduled => {}
             Some(last) if last.weights.measures_like(&weights) => {
                 for row in &mut self.history {
-                    *row = row.reweighted(&weights);
+                    // With a schedule every step has an α of its own.
+                    *row = row.reweighted(&params.weights_at(row.step));
                 }
             }
             _ => self.history.clear(),

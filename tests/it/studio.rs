@@ -111,6 +111,7 @@ fn paint(
     value: f64,
 ) -> Vec<Event> {
     let mut events = stroke(session, channel, place, radius, value);
+    events.extend(session.handle(Command::EndStroke));
     assert!(session.is_running(), "painting is something to catch up with");
     events.extend(session.advance(&mut || true));
     assert!(!session.is_running());
@@ -195,7 +196,7 @@ fn strokes_of_regions_start_the_cut_anew_and_are_taken_back_one_by_one() {
     let events = stroke(&mut session, "region", FRONT, 0.4, 3.0);
     assert_eq!(text(&events, "init"), "painted");
     assert_eq!(undo_label(&events).as_deref(), Some("paint regions"));
-    assert!(session.is_running() && session.labels() == at_first.0, "not before the next slice");
+    assert!(!session.is_running() && session.labels() == at_first.0, "not before the stroke ends");
     // More dabs of the same stroke.
     for i in 1..10 {
         let place = [1.0, 0.02 * f64::from(i), 0.0];
@@ -206,6 +207,7 @@ fn strokes_of_regions_start_the_cut_anew_and_are_taken_back_one_by_one() {
         };
         session.handle(Command::Paint { channel, face, place, radius, value, begins: false });
     }
+    session.handle(Command::EndStroke);
     let events = session.advance(&mut || true);
     assert!(!session.is_running() && errors(&events).is_empty());
     assert_eq!(status(&events), "Ready");
@@ -254,9 +256,9 @@ fn undo_needs_no_paint_that_has_been_cleared() {
     let labels = session.labels();
     let events = session.handle(Command::ClearPaint { channel: "region".into() });
     assert!(errors(&events).is_empty() && painted(&events).is_empty());
+    // The cut that is there can go on; the next start is another one.
+    assert_eq!(text(&events, "init"), "normals");
     paint(&mut session, "penalty", EAST, 0.4, 1.0);
-    // There is nothing to start from now; the cut that is there can go on.
-    assert_eq!(errors(&session.handle(Command::Reset)).len(), 1);
     assert_eq!(session.labels(), labels);
     for left in [vec![], vec!["region".to_owned()], vec![]] {
         let events = session.handle(Command::Undo);
@@ -267,6 +269,7 @@ fn undo_needs_no_paint_that_has_been_cleared() {
     let events = stroke(&mut session, "region", FRONT, 9.0, 3.0);
     assert!(errors(&events).is_empty());
     let labels = session.labels();
+    session.handle(Command::EndStroke);
     assert_eq!(errors(&session.advance(&mut || true)).len(), 1);
     assert!(!session.is_running() && session.labels() == labels);
     paint(&mut session, "penalty", EAST, 0.4, 1.0);
@@ -474,6 +477,7 @@ fn painting_does_not_stop_a_run() {
     assert!(session.is_running() && row.step == step + 1 && row.total < measured);
     // A region starts the run anew, and it goes on.
     stroke(&mut session, "region", FRONT, 0.4, 3.0);
+    session.handle(Command::EndStroke);
     session.advance(&mut || false);
     assert!(session.is_running() && session.history().len() == 1);
     session.advance(&mut || false);
@@ -749,6 +753,7 @@ fn undo_and_redo_go_through_everything() {
         Command::Reset,
     ];
     let told = |session: &mut Session, mut events: Vec<Event>| {
+        events.extend(session.handle(Command::EndStroke));
         events.extend(session.advance(&mut || true));
         assert_eq!(errors(&events), Vec::<String>::new());
         let kept: Vec<String> =

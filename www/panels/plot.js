@@ -66,8 +66,8 @@ export function energyPlot(host) {
     const y = (energy) => floor - ((floor - TOP) * (energy - base)) / (top - base);
 
     // All values with the decimals of the largest, so that they can be added up by eye.
-    const size = Math.max(...names.map((name, line) => Math.abs(value(last, line))));
-    const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 1 ? 2 : 4;
+    const largest = Math.max(...names.map((name, line) => Math.abs(value(last, line))));
+    const digits = largest >= 1000 ? 0 : largest >= 100 ? 1 : largest >= 1 ? 2 : 4;
 
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     const nodes = yTicks.flatMap((tick) => [
