@@ -10,10 +10,12 @@ pub fn runs() -> Vec<(String, usize, f64)> {
         // Off the middle: a plane through vertices leaves their side to rounding.
         ("ball", vec![("dirichlet", 10.0), ("offset", 3.0)], 8),
         ("rounded_box", vec![("angle", 50.0)], 6),
-        ("ball", vec![("hencky", 3000.0), ("dirichlet", 0.0), ("offset", -8.0)], 8),
+        ("ball", vec![("hencky", 3000.0), ("dirichlet", 0.0), ("offset", -11.0)], 8),
     ] {
         let mut session = Session::new();
         session.handle(Command::OpenSample { name: sample.into() });
+        // Decimation has ties on surfaces as even as these, and rounding breaks them differently on different targets.
+        session.handle(Command::SetParameter { id: "coarse".into(), value: Value::Truth(false) });
         for (id, value) in changes {
             let value = Value::Number(value);
             session.handle(Command::SetParameter { id: id.into(), value });
