@@ -299,9 +299,28 @@ impl Session {
     ) -> Result<(), Problem> {
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let label = presets::label(id)?;
-        let settings = work.settings.with_preset(id)?;
+        let mut settings = work.settings.with_preset(id)?;
+        if settings.text("init") == "circle"
+            && let Some(surface) = &work.document.surface
+        {
+            let vertex = f64::from(surface.soup_vertices[facing(surface).index()]);
+            settings.put("vertex", Value::Number(vertex));
+        }
         self.apply(&format!("preset {label}"), settings, super::Effect::Restart, events)
     }
+}
+
+/// The vertex in the middle of what is seen of a surface at first: three quarters from the front, a little from above.
+fn facing(surface: &Surface) -> VertexId {
+    let towards = Vector3::new(0.505, 0.257, 0.824);
+    let score = |v: VertexId| {
+        let place = surface.geometry.positions[v.index()].coords;
+        let depth = place.dot(&towards);
+        // Ten times as far from the axis of sight as nearer to the eye is too far.
+        depth - 10.0 * (place - towards * depth).norm()
+    };
+    let vertices = surface.mesh.vertices().filter(|&v| surface.mesh.halfedge(v).is_some());
+    vertices.max_by(|&a, &b| score(a).total_cmp(&score(b))).unwrap_or(VertexId(0))
 }
 
 impl Layers {
