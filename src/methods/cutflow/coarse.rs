@@ -12,7 +12,7 @@
 use nalgebra::Point3;
 
 use super::band::LevelSets;
-use super::init::Start;
+use super::init::{Start, pieces};
 use super::{Checkpoint, CutFields, CutFlow, Source};
 use crate::geometry::{Geometry, Nearest};
 use crate::mesh::{FaceId, Mesh, VertexId};
@@ -256,27 +256,10 @@ fn regions_of(mesh: &Mesh, labels: &[u32]) -> usize {
 
 /// The connected region of every vertex, and the number of vertices of each.
 fn components(mesh: &Mesh, labels: &[u32]) -> (Vec<u32>, Vec<usize>) {
-    const NONE: u32 = u32::MAX;
-    let mut regions = vec![NONE; labels.len()];
-    let mut sizes = Vec::new();
-    let mut stack = Vec::new();
-    for seed in mesh.vertices().filter(|&v| mesh.halfedge(v).is_some()) {
-        if regions[seed.index()] != NONE {
-            continue;
-        }
-        regions[seed.index()] = sizes.len() as u32;
-        stack.push(seed);
-        let mut size = 0;
-        while let Some(v) = stack.pop() {
-            size += 1;
-            for w in mesh.outgoing(v).map(|h| mesh.tip(h)) {
-                if regions[w.index()] == NONE && labels[w.index()] == labels[v.index()] {
-                    regions[w.index()] = sizes.len() as u32;
-                    stack.push(w);
-                }
-            }
-        }
-        sizes.push(size);
+    let (regions, count) = pieces(mesh, labels);
+    let mut sizes = vec![0; count];
+    for v in mesh.vertices().filter(|&v| mesh.halfedge(v).is_some()) {
+        sizes[regions[v.index()] as usize] += 1;
     }
     (regions, sizes)
 }

@@ -41,7 +41,7 @@ pub(super) fn grow(mesh: &Mesh, joins: impl Fn(VertexId, VertexId) -> bool) -> (
 }
 
 /// The connected pieces of labels, numbered by first vertex, and their number.
-pub(super) fn pieces(mesh: &Mesh, labels: &[u32]) -> (Vec<u32>, usize) {
+pub(in crate::methods::cutflow) fn pieces(mesh: &Mesh, labels: &[u32]) -> (Vec<u32>, usize) {
     grow(mesh, |seed, v| labels[seed.index()] == labels[v.index()])
 }
 

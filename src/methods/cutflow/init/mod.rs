@@ -16,6 +16,8 @@ mod faces;
 mod noise;
 mod volleyball;
 
+pub(super) use clusters::pieces;
+
 use nalgebra::{Point3, Vector3};
 
 use crate::geometry::{Geometry, geodesic_distances};
