@@ -42,6 +42,12 @@ pub struct Scene {
     pub mark_points: Vec<f32>,
     /// Lines to point at: 6 per segment, in the frame of `positions`.
     pub mark_segments: Vec<f32>,
+    /// Cones: 3 per cone, in the frame of `positions`.
+    pub cone_points: Vec<f32>,
+    /// Angle of each cone, radians; positive like a mountain's top.
+    pub cone_angles: Vec<f32>,
+    /// 2 per place that a cone has on the charts: scene vertex, cone. A cone that several seams meet has several places.
+    pub cone_charts: Vec<u32>,
     /// Whether the surface is shown in another shape than its own: soft shade of its hollows would lie in the wrong places.
     pub is_folded: bool,
     /// 0 for the first scene of a mesh, then counting: a viewer refits its camera when this is 0.
