@@ -12,19 +12,21 @@ use nalgebra::Point3;
 
 use super::cut_file::labels_from_json;
 use super::message::{Event, Value};
+use super::method::Method;
 use super::paint::with_paint;
 use super::surface::Surface;
 use super::text::Problem;
 use super::work::{Pending, start_flow};
 use super::{Session, nothing_open};
 use crate::geometry::visibility;
+use crate::mesh::VertexId;
 
 /// Something to bring, by the numbers and units of the file.
 #[derive(Clone, Copy, Debug)]
 pub enum Brought<'a> {
     /// One number for each vertex of the file.
     Layer {
-        /// What it is: `region penalty heat pin`.
+        /// What it is: `region penalty heat pin importance unimportant cone_cost excluded`.
         channel: &'a str,
         /// Labels, or amounts from 0 to 1.
         values: &'a [f64],
@@ -38,8 +40,22 @@ pub enum Brought<'a> {
         /// Its content.
         bytes: &'a [u8],
     },
-    /// A place that cuts hide from.
+    /// A place that cuts hide from; cones as well while they are at work.
     Eye([f64; 3]),
+    /// The bytes of a `cones.json`: these cones are used as they are.
+    Cones {
+        /// Its name, for errors.
+        name: &'a str,
+        /// Its content.
+        bytes: &'a [u8],
+    },
+    /// A cone at a vertex, with an angle in radians or with the one that is best.
+    Cone {
+        /// Number of the vertex in the file.
+        vertex: f64,
+        /// Radians.
+        angle: Option<f64>,
+    },
 }
 
 impl Session {
@@ -53,6 +69,11 @@ impl Session {
     }
 
     fn bring_in(&mut self, what: Brought, events: &mut Vec<Event>) -> Result<(), Problem> {
+        match what {
+            Brought::Cones { name, bytes } => return self.bring_cones(name, bytes, events),
+            Brought::Cone { vertex, angle } => return self.bring_cone(vertex, angle, events),
+            _ => {}
+        }
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let surface = work.document.surface()?;
         let mut layers = work.layers.clone();
@@ -70,12 +91,7 @@ impl Session {
                         (Pending::Restart, Some("painted"))
                     }
                     _ => {
-                        let layer = match channel {
-                            "penalty" => &mut layers.penalty,
-                            "heat" => &mut layers.heat,
-                            _ => &mut layers.pin,
-                        };
-                        *layer = Rc::new(values);
+                        *layers.amounts(channel) = Rc::new(values);
                         if channel == "heat" {
                             settings.put("source", Value::Text("heat".into()));
                         }
@@ -84,19 +100,9 @@ impl Session {
                 }
             }
             Brought::Seeds(seeds) => {
-                let count = surface.soup.positions.len();
                 let vertices = seeds
                     .iter()
-                    .map(|&x| {
-                        let whole = x >= 0.0 && x.fract().abs() <= 0.0;
-                        surface.mesh_vertex_from(x as usize).filter(|_| whole).ok_or_else(|| {
-                            Problem::new(
-                                format!("There is no vertex {x}: the mesh has {count}."),
-                                "Seeds.",
-                                format!("Choose numbers from 0 to {}.", count - 1),
-                            )
-                        })
-                    })
+                    .map(|&x| vertex_of(surface, x, "Seeds."))
                     .collect::<Result<Vec<_>, _>>()?;
                 // Here the numbers are still those of the file.
                 if let Some(i) = (1..vertices.len()).find(|&i| vertices[..i].contains(&vertices[i]))
@@ -124,9 +130,14 @@ impl Session {
                 }
                 let eye = (Point3::from(place) - surface.frame.centre) * surface.frame.scale;
                 let seen = visibility(&surface.mesh, &surface.geometry, Point3::from(eye));
+                if work.method == Method::Cones {
+                    layers.cone_cost = Rc::new(with_paint(&layers.cone_cost, seen.clone()));
+                }
                 layers.penalty = Rc::new(with_paint(&layers.penalty, seen));
                 (Pending::Fields, None)
             }
+            // Taken in above.
+            Brought::Cones { .. } | Brought::Cone { .. } => return Ok(()),
         };
         if let Some(init) = init {
             settings.put("init", Value::Text(init.into()));
@@ -162,16 +173,29 @@ impl Session {
     }
 }
 
+/// The mesh's vertex of a number of the file.
+pub(super) fn vertex_of(surface: &Surface, x: f64, place: &str) -> Result<VertexId, Problem> {
+    let whole = x >= 0.0 && x.fract().abs() <= 0.0;
+    surface.mesh_vertex_from(x as usize).filter(|_| whole).ok_or_else(|| {
+        let count = surface.soup.positions.len();
+        Problem::new(
+            format!("There is no vertex {x}: the mesh has {count}."),
+            place,
+            format!("Choose numbers from 0 to {}.", count - 1),
+        )
+    })
+}
+
 /// Numbers of the file's vertices at the mesh's.
 fn of_vertices(surface: &Surface, channel: &str, values: &[f64]) -> Result<Vec<f64>, Problem> {
     let most = match channel {
         "region" => 255.0,
-        "penalty" | "heat" | "pin" => 1.0,
+        "penalty" | "heat" | "pin" | "importance" | "unimportant" | "cone_cost" | "excluded" => 1.0,
         _ => {
             return Err(Problem::new(
                 format!("“{channel}” cannot be painted."),
                 "Layers.",
-                "Choose one of region, penalty, heat, pin.",
+                "Choose one of region, penalty, heat, pin, importance, unimportant, cone_cost, excluded.",
             ));
         }
     };

@@ -25,6 +25,14 @@ pub struct Layers {
     pub heat: Rc<Vec<f64>>,
     /// How firmly each vertex holds the cut, from 0 to 1.
     pub pin: Rc<Vec<f64>>,
+    /// How important distortion is at each vertex beyond the common measure, from 0 to 1.
+    pub importance: Rc<Vec<f64>>,
+    /// How little distortion counts at each vertex, from 0 to 1.
+    pub unimportant: Rc<Vec<f64>>,
+    /// How unwelcome cones are at each vertex, from 0 to 1.
+    pub cone_cost: Rc<Vec<f64>>,
+    /// Where cones are forbidden, from one half.
+    pub excluded: Rc<Vec<f64>>,
     /// Labels of a cut that was brought along.
     pub brought: Rc<Vec<u32>>,
     /// Symmetries that the cut keeps.

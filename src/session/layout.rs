@@ -7,11 +7,14 @@ use nalgebra::Point3;
 
 use super::surface::Surface;
 use super::text::plural;
-use crate::flatten::{Flattening, Measures, Packing, bff, bff_with, measure, measures};
+use super::cones::ConeSet;
+use crate::flatten::{
+    Flattening, Measures, Packing, bff, bff_scaled, bff_with, measure, measures,
+};
 use crate::geometry::Geometry;
 use crate::linalg::Factor;
 use crate::mesh::{CutMesh, HalfedgeId, Mesh, OpenedMesh};
-use crate::methods::cutgraph::cut_to_disks;
+use crate::methods::cutgraph::{cut_through, cut_to_disks};
 use crate::methods::flow::SolveError;
 use crate::methods::straighten::{StraightenParams, Unchanged, finish_cut, snap_to_edges};
 use crate::pattern::CutSurface;
@@ -123,6 +126,25 @@ impl Layout {
             }
         }
         Ok(result)
+    }
+
+    /// Flattens with the scale factors of cones along seams that join them.
+    ///
+    /// **Takes** what seams cost at each vertex beyond their length; empty for nothing.
+    pub fn of_cones(
+        surface: &Surface,
+        set: &ConeSet,
+        seam_cost: &[f64],
+        previous: Option<&Packing>,
+    ) -> Result<Self, SolveError> {
+        let (mesh, geometry) = (&surface.mesh, &surface.geometry);
+        let seams = cut_through(mesh, geometry, &set.vertices(), seam_cost)?;
+        let points = place(surface, &seams.cut);
+        let measured = measure_opened(&seams.opened, &points);
+        let rim_u: Vec<f64> = seams.opened.vertex_points.iter().map(|&p| set.u[p as usize]).collect();
+        let flattening = bff_scaled(&seams.opened, &measured, &rim_u)?;
+        let (cut, opened) = (seams.cut, seams.opened);
+        Ok(Self::new(surface, cut, points, opened, measured, flattening, 0.0, previous))
     }
 
     fn whole(

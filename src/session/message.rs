@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cones::{ConeComparisonRow, ConePathPoint, ConeTable};
+
 /// What a person can ask for. Meshes come with their bytes through [`super::Session::open`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
@@ -124,6 +126,48 @@ pub enum Command {
     Fold,
     /// Shows the surface itself again.
     Unfold,
+    /// Chooses the method; what the other one made stays.
+    SetMethod {
+        /// `cutflow` or `cones`.
+        id: String,
+    },
+    /// Puts a cone where a person wants one.
+    AddCone {
+        /// The face of the mesh there.
+        face: u32,
+        /// The place in the scene.
+        place: [f64; 3],
+        /// Its angle in radians; without one it takes the angle that is best.
+        #[serde(default)]
+        angle: Option<f64>,
+    },
+    /// Moves a cone.
+    MoveCone {
+        /// Its number in [`Event::Cones`].
+        cone: usize,
+        /// The face of the mesh there.
+        face: u32,
+        /// The place in the scene.
+        place: [f64; 3],
+    },
+    /// Gives a cone an angle; the others make up for it.
+    SetConeAngle {
+        /// Its number in [`Event::Cones`].
+        cone: usize,
+        /// In radians; without one it takes the angle that is best.
+        angle: Option<f64>,
+    },
+    /// Takes a cone away; the others make up for it.
+    RemoveCone {
+        /// Its number in [`Event::Cones`].
+        cone: usize,
+    },
+    /// Takes back what was done to cones by hand.
+    ClearCones,
+    /// Solves for the whole range of λ.
+    TracePath,
+    /// Sets the greedy strategy of older work beside the optimum.
+    CompareCones,
 }
 
 /// The value of a parameter.
@@ -281,8 +325,40 @@ pub enum Event {
         /// By stage.
         stages: Vec<StageNumbers>,
     },
+    /// The methods that there are.
+    Methods {
+        /// The one at work.
+        current: String,
+        /// All of them.
+        options: Vec<MethodChoice>,
+    },
+    /// The cones as they are now.
+    Cones(ConeTable),
+    /// What is known of the optimum as a function of λ, λ descending.
+    ConePath {
+        /// Where it was computed.
+        points: Vec<ConePathPoint>,
+        /// Whether the whole range was.
+        is_complete: bool,
+    },
+    /// Ways to choose as many cones, side by side.
+    ConeComparison {
+        /// The optimum first.
+        rows: Vec<ConeComparisonRow>,
+    },
     /// A new scene is there.
     Scene,
+}
+
+/// A method and whether it can be chosen.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct MethodChoice {
+    /// Stable identifier.
+    pub id: String,
+    /// What a person reads.
+    pub label: String,
+    /// Whether it is there yet.
+    pub available: bool,
 }
 
 /// Settings for a purpose.

@@ -10,6 +10,7 @@
 //! This is the only floor that serialises. It reads no clock: drivers measure time and hand in budgets.
 
 mod brought;
+mod cones;
 mod cut_file;
 mod doctor;
 mod document;
@@ -17,6 +18,7 @@ mod folding;
 mod inputs;
 mod layout;
 mod message;
+mod method;
 mod overlays;
 mod paint;
 mod params;
@@ -45,20 +47,25 @@ use preparing::Preparation;
 use work::{Pending, Snapshot, Work, start_flow};
 
 pub use brought::Brought;
+pub use cones::{
+    ConeComparisonRow, ConePathPoint, ConeReport, ConeRow, ConeTable, ConesReport, RoundedReport,
+};
 pub use cut_file::{cut_from_json, surface_layout};
 pub use document::Document;
 pub use layout::Layout;
 pub use message::{
-    Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary, NoticeText,
+    Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary, MethodChoice,
+    NoticeText,
     PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow, PresetChoice, RepairChoice, Row,
     SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term, ToolParam, ToolSpec, Value,
 };
+pub use method::Method;
 pub use params::{Effect, Settings};
 pub use regions::FaceSource;
 pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport};
 pub use scene::Scene;
 pub use size::settings_for;
-pub use specs::specs;
+pub use specs::{all_specs, specs, specs_of};
 pub use surface::Surface;
 pub use text::Problem;
 
@@ -78,6 +85,8 @@ pub struct Session {
     redo: Vec<Snapshot>,
     scene_is_new: bool,
     late: Vec<Event>,
+    /// The method of the next mesh.
+    wanted_method: Method,
 }
 
 impl Session {
@@ -100,6 +109,7 @@ impl Session {
             Command::EndStroke => Ok(()),
             Command::Hello => {
                 events.push(self.samples());
+                events.push(self.methods());
                 events.push(self.presets());
                 Ok(())
             }
@@ -110,7 +120,7 @@ impl Session {
             Command::Step => self.step(&mut events),
             Command::Reset => self.reset(&mut events),
             Command::ShowField { id } => {
-                if picture::fields().iter().any(|f| f.id == id) {
+                if picture::fields(self.method()).iter().any(|f| f.id == id) {
                     self.field = id;
                     self.scene_is_new = true;
                 }
@@ -153,6 +163,20 @@ impl Session {
             Command::SetSymmetry { ids } => self.set_symmetry(&ids, &mut events),
             Command::Fold => self.fold(&mut events),
             Command::Unfold => self.unfold(&mut events),
+            Command::SetMethod { id } => self.set_method(&id, &mut events),
+            Command::AddCone { face, place, angle } => {
+                self.add_cone(face, place, angle, &mut events)
+            }
+            Command::MoveCone { cone, face, place } => {
+                self.move_cone(cone, face, place, &mut events)
+            }
+            Command::SetConeAngle { cone, angle } => {
+                self.set_cone_angle(cone, angle, &mut events)
+            }
+            Command::RemoveCone { cone } => self.remove_cone(cone, &mut events),
+            Command::ClearCones => self.clear_cones(&mut events),
+            Command::TracePath => self.trace_path(&mut events),
+            Command::CompareCones => self.compare_cones(&mut events),
         };
         if let Err(problem) = result {
             self.refuse(problem, &mut events);
@@ -167,7 +191,15 @@ impl Session {
     pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
         if self.work.is_some() && cut_file::is_cut_file(bytes) {
             self.preparation = None;
-            return self.bring(Brought::Cut { name, bytes });
+            let mut events = self.handle(Command::SetMethod { id: Method::CutFlow.id().into() });
+            events.extend(self.bring(Brought::Cut { name, bytes }));
+            return events;
+        }
+        if self.work.is_some() && cones::is_cones_file(bytes) {
+            self.preparation = None;
+            let mut events = self.handle(Command::SetMethod { id: Method::Cones.id().into() });
+            events.extend(self.bring(Brought::Cones { name, bytes }));
+            return events;
         }
         let mut events = std::mem::take(&mut self.late);
         self.preparation = None;
@@ -187,10 +219,15 @@ impl Session {
                 self.prepare_on(&mut events)
             } else if self.is_behind() {
                 self.catch_up(&mut events)
+            } else if self.cones_have_work() {
+                self.cones_advance(&mut events)
             } else if self.is_folding() {
                 self.fold_on(&mut events)
             } else if self.first_cut_is_due() {
                 self.make_first_cut(&mut events);
+                Ok(())
+            } else if self.method() == Method::Cones {
+                self.is_running = false;
                 Ok(())
             } else {
                 self.one_step(&mut events)
@@ -210,6 +247,7 @@ impl Session {
             && self.preparation.is_none()
             && !work.first_cut_is_due
             && work.pending == Pending::None
+            && work.method == Method::CutFlow
             && !work.is_settled
         {
             self.settle(&mut events);
@@ -227,6 +265,7 @@ impl Session {
             || self.first_cut_is_due()
             || self.is_behind()
             || self.is_folding()
+            || self.cones_have_work()
     }
 
     /// Whether something was painted that the flow does not know yet.
@@ -281,13 +320,14 @@ impl Session {
             return None;
         }
         let work = self.work.as_mut()?;
-        let is_uncut = work.flow.is_none() && work.layout.is_none();
+        let is_uncut = work.layout.is_none()
+            && (work.flow.is_none() || work.method == Method::Cones);
         if work.document.surface.is_none() || is_uncut || self.shown.is_some() {
             let scene = doctor::scene(&work.document, self.shown.as_deref(), work.revision);
             work.revision += 1;
             return Some(scene);
         }
-        if !work.is_settled {
+        if !work.is_settled && work.method == Method::CutFlow {
             match work.preview() {
                 Ok(()) => self.late.push(work.measures()),
                 Err(problem) => {
@@ -312,8 +352,10 @@ impl Session {
         let folded = work.fold.as_ref().map(|fold| fold.flow.positions());
         let field = values.as_deref().map(|values| picture::Painted::new(&self.field, values));
         let u = work.u();
-        let is_heated = self.field == "u" && work.settings.text("source") != "curvature";
-        let scene = picture::scene(
+        let is_heated = self.field == "u"
+            && work.method == Method::CutFlow
+            && work.settings.text("source") != "curvature";
+        let mut scene = picture::scene(
             surface,
             layout,
             &colours,
@@ -323,6 +365,9 @@ impl Session {
             folded,
             work.revision,
         );
+        if let Some(set) = work.cones.set.as_ref().filter(|_| work.method == Method::Cones) {
+            picture::put_cones(&mut scene, surface, layout, set);
+        }
         work.revision += 1;
         Some(scene)
     }
@@ -351,6 +396,11 @@ impl Session {
         self.settled()?.cut_report(seconds)
     }
 
+    /// The report of `cutflow cones`. **Takes** the time that the driver measured.
+    pub fn cones_report(&mut self, seconds: Option<f64>) -> Result<ConesReport, Problem> {
+        self.settled()?.cones_report(seconds)
+    }
+
     /// The layout at rest, of the current cut.
     pub fn layout(&mut self) -> Result<&Layout, Problem> {
         self.settled()?.layout.as_ref().ok_or_else(nothing_open)
@@ -368,6 +418,9 @@ impl Session {
             let mut events = Vec::new();
             self.catch_up(&mut events)?;
             self.late.extend(events);
+        }
+        if self.method() == Method::Cones {
+            self.settled_cones()?;
         }
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         if !work.is_settled {
@@ -446,8 +499,9 @@ impl Session {
             let text = "What was painted belonged to the mesh before: the cut starts from normal clusters.";
             document.summary.notices.push(NoticeText::new("paint_dropped", 1, text));
         }
+        let is_cut_flow = self.method() == Method::CutFlow;
         let is_large = document.surface.is_some() && document.triangles.len() > SHOWN_FIRST;
-        let flow = match (!is_large)
+        let flow = match (is_cut_flow && !is_large)
             .then(|| start_flow(&document, &settings, &Layers::default(), None))
             .transpose()
         {
@@ -460,7 +514,9 @@ impl Session {
         };
         self.remember(label, label);
         let mut work = Work::new(Rc::new(document), settings, flow);
-        work.first_cut_is_due = is_large;
+        work.first_cut_is_due = is_large && is_cut_flow;
+        work.method = self.method();
+        work.cones.is_due = work.method == Method::Cones && work.document.surface.is_some();
         self.install(work, events);
     }
 
@@ -471,8 +527,14 @@ impl Session {
         let is_other = old.is_none();
         if let Some(old) = old {
             work.revision = old.revision.max(1);
-            work.layout = old.layout;
+            if old.method == work.method {
+                work.layout = old.layout;
+                work.shelf = old.shelf;
+            } else {
+                self.field = work.method.first_field().into();
+            }
             work.symmetries = old.symmetries.or(work.symmetries);
+            work.cones.keep_solver(old.cones);
         }
         if is_other {
             events.push(Event::Mesh(work.document.summary.clone()));
@@ -481,13 +543,17 @@ impl Session {
         if is_other {
             self.shown = None;
             events.push(self.samples());
-            events.push(self.fields());
             events.extend(self.mesh_events());
         }
+        events.push(self.methods());
         events.push(self.parameters());
         events.push(self.presets());
         events.push(self.paint_channels());
         events.push(self.symmetries());
+        events.push(self.fields());
+        if self.method() == Method::Cones {
+            events.extend(self.work.as_ref().map(|work| work.cones.path_event()));
+        }
         if !is_other {
             events.extend(self.size_event());
         }
@@ -546,7 +612,7 @@ impl Session {
             }
             _ => None,
         };
-        let label = specs().into_iter().find(|s| s.id == id).map_or_else(
+        let label = all_specs().into_iter().find(|s| s.id == id).map_or_else(
             || format!("change {id}"),
             |spec| format!("change {}", spec.label.to_lowercase()),
         );
@@ -582,6 +648,8 @@ impl Session {
                 }
             }
             (Effect::Export, None) => events.push(work.measures()),
+            (Effect::Cones, None) => self.cones_are_due(),
+            (Effect::ConeSet, None) => self.use_cones_anew(events)?,
         }
         events.push(self.parameters());
         events.push(self.presets());
@@ -613,6 +681,11 @@ impl Session {
         let Some(work) = &mut self.work else { return };
         if work.document.surface.is_none() || work.first_cut_is_due {
             // Nothing is flat yet; the doctor's picture is what there is to see.
+            events.push(work.measures());
+            self.scene_is_new = true;
+            return;
+        }
+        if work.method == Method::Cones && (work.cones.is_due || !work.cones.is_solved()) {
             events.push(work.measures());
             self.scene_is_new = true;
             return;
@@ -652,12 +725,72 @@ impl Session {
     }
 
     fn fields(&self) -> Event {
-        Event::Fields { current: self.field.clone(), options: picture::fields() }
+        Event::Fields { current: self.field.clone(), options: picture::fields(self.method()) }
     }
 
     fn parameters(&self) -> Event {
-        let values = self.work.as_ref().map(|w| w.settings.values()).unwrap_or_default();
-        Event::Parameters { method: "cutflow".into(), specs: specs(), values }
+        let specs = specs_of(self.method());
+        let mut values = self.work.as_ref().map(|w| w.settings.values()).unwrap_or_default();
+        values.retain(|id, _| specs.iter().any(|spec| spec.id == *id));
+        Event::Parameters { method: self.method().id().into(), specs, values }
+    }
+
+    fn methods(&self) -> Event {
+        method::event(self.method())
+    }
+
+    /// The method at work.
+    pub fn method(&self) -> Method {
+        self.work.as_ref().map_or(self.wanted_method, |work| work.method)
+    }
+
+    /// Chooses the method, of the mesh that is open and of those to come.
+    fn set_method(&mut self, id: &str, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(method) = Method::from_id(id) else {
+            return Err(Problem::new(
+                format!("There is no method called “{id}”."),
+                "In the choice of a method.",
+                format!("Choose one of {}.", Method::known()),
+            ));
+        };
+        self.wanted_method = method;
+        if self.method() == method {
+            events.push(self.methods());
+            return Ok(());
+        }
+        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
+            self.unfold(events)?;
+        }
+        self.is_running = false;
+        self.remember(&format!("change to {}", method.label().to_lowercase()), "method");
+        let Some(work) = &mut self.work else { return Ok(()) };
+        let field = work.change_method(method, &self.field);
+        self.field = field.unwrap_or_else(|| method.first_field().into());
+        match method {
+            Method::Cones => {
+                work.first_cut_is_due = false;
+                let is_missing = !work.cones.is_solved() && work.document.surface.is_some();
+                work.cones.is_due |= is_missing;
+            }
+            Method::CutFlow => {
+                work.first_cut_is_due = work.flow.is_none() && work.document.surface.is_some();
+                // The flow has not heard of what was painted meanwhile.
+                work.pending = work.pending.max(Pending::Fields);
+            }
+        }
+        self.scene_is_new = true;
+        events.push(self.methods());
+        events.push(self.parameters());
+        events.push(self.presets());
+        events.push(self.paint_channels());
+        events.push(self.fields());
+        self.push_energy(events);
+        events.extend(self.cones_event());
+        events.extend(self.work.as_ref().map(Work::measures));
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
     }
 
     fn history_event(&self) -> Event {
@@ -681,6 +814,8 @@ impl Session {
             ("preparing", format!("Loading {}: making the first cut", work.document.name))
         } else if work.document.surface.is_none() {
             ("ready", "Ready: the mesh needs repair before it can be cut".to_owned())
+        } else if work.method == Method::Cones {
+            self.cones_status(work)
         } else if self.is_running {
             let is_testing = work.flow.as_ref().is_some_and(CutFlow::is_testing);
             let what = if is_testing { ": is there a better cut beside it?" } else { "" };

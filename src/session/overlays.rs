@@ -1,9 +1,11 @@
 //! Fields of the flow for looking at: what was painted, the adjoint, and the stages of one step.
 
+use super::method::Method;
 use super::message::{Event, StageNumber, StageNumbers};
 use super::text::Problem;
 use super::work::Work;
 use crate::methods::cutflow::Stages;
+use crate::methods::flow::Flow;
 
 /// Rings of vertices beside the cut on which values of the cut are painted.
 const RINGS: usize = 3;
@@ -21,6 +23,14 @@ impl Work {
             "penalty" => return Ok(layer(&self.layers.penalty)),
             "heat" => return Ok(layer(&self.layers.heat)),
             "pin" => return Ok(layer(&self.layers.pin)),
+            "importance" => return Ok(layer(&self.layers.importance)),
+            "unimportant" => return Ok(layer(&self.layers.unimportant)),
+            "cone_cost" => return Ok(layer(&self.layers.cone_cost)),
+            "excluded" => return Ok(layer(&self.layers.excluded)),
+            "u" if self.method == Method::Cones => {
+                return Ok(self.cones.set.as_ref().map(|set| set.u.clone()));
+            }
+            "phi" => return Ok(self.cones.flow().map(|flow| flow.state().phi.clone())),
             "regions" => {
                 // A stroke goes on from the cut that is there, unless regions were painted before.
                 let is_painted =

@@ -12,6 +12,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::inputs::Layers;
 use super::message::{Event, PaintChannel, Value};
+use super::method::Method;
 use super::surface::Surface;
 use super::text::Problem;
 use super::work::{Pending, energy_event};
@@ -22,7 +23,7 @@ use crate::mesh::{FaceId, VertexId};
 /// Largest label that can be painted.
 const MOST_LABELS: f64 = 255.0;
 
-/// Identifier, label, kind and help of everything that can be painted.
+/// Identifier, label, kind and help of what can be painted for cut flows.
 const CHANNELS: [[&str; 4]; 5] = [
     [
         "region",
@@ -41,10 +42,37 @@ const CHANNELS: [[&str; 4]; 5] = [
     ["pin", "Pin", "amount", "The cut stays where it is."],
 ];
 
+/// The same for cones.
+const CONE_CHANNELS: [[&str; 4]; 5] = [
+    [
+        "importance",
+        "Importance",
+        "amount",
+        "Distortion counts more where it is painted: cones move so that these places stay true.",
+    ],
+    [
+        "unimportant",
+        "Unimportant",
+        "amount",
+        "Distortion counts less, in the end not at all: ends that are cut off, backs, undersides.",
+    ],
+    ["cone_cost", "Dear cones", "amount", "Cones are dearer where it is painted: they go elsewhere if they can."],
+    ["excluded", "No cones", "amount", "There are no cones where it is painted."],
+    ["penalty", "Hide seams", "amount", "Seams avoid what is painted: faces, logos, what is in sight."],
+];
+
+/// What can be painted.
+fn channels(method: Method) -> &'static [[&'static str; 4]] {
+    match method {
+        Method::CutFlow => &CHANNELS,
+        Method::Cones => &CONE_CHANNELS,
+    }
+}
+
 impl Session {
     pub(super) fn paint_channels(&self) -> Event {
         let layers = self.work.as_ref().map(|work| work.layers.clone()).unwrap_or_default();
-        let options = CHANNELS.map(|[id, label, kind, help]| PaintChannel {
+        let option = |[id, label, kind, help]: [&'static str; 4]| PaintChannel {
             id: id.into(),
             label: label.into(),
             help: help.into(),
@@ -54,10 +82,15 @@ impl Session {
                 "seed" => layers.seeds.is_empty(),
                 "penalty" => layers.penalty.is_empty(),
                 "heat" => layers.heat.is_empty(),
+                "importance" => layers.importance.is_empty(),
+                "unimportant" => layers.unimportant.is_empty(),
+                "cone_cost" => layers.cone_cost.is_empty(),
+                "excluded" => layers.excluded.is_empty(),
                 _ => layers.pin.is_empty(),
             },
-        });
-        Event::PaintChannels { options: options.into() }
+        };
+        let options = channels(self.method()).iter().copied().map(option).collect();
+        Event::PaintChannels { options }
     }
 
     #[expect(clippy::too_many_arguments, reason = "the parts of one command")]
@@ -71,7 +104,7 @@ impl Session {
         begins: bool,
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
-        let label = known(channel)?;
+        let label = known(channel, self.method())?;
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let surface = work.document.surface()?;
         let dab = Dab::new(surface, face, place, radius)?;
@@ -150,7 +183,7 @@ impl Session {
         channel: &str,
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
-        let label = known(channel)?;
+        let label = known(channel, self.method())?;
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let mut layers = work.layers.clone();
         let pending = match channel {
@@ -205,8 +238,11 @@ impl Session {
         let eye = Point3::from(Vector3::from(eye) * surface.radius());
         let mut layers = work.layers.clone();
         let seen = visibility(&surface.mesh, &surface.geometry, eye);
+        if work.method == Method::Cones {
+            layers.cone_cost = Rc::new(with_paint(&layers.cone_cost, seen.clone()));
+        }
         layers.penalty = Rc::new(with_paint(&layers.penalty, seen));
-        self.remember("hide seams from the camera", "hide");
+        self.remember("hide from the camera", "hide");
         self.put_layers("penalty", layers, Pending::Fields, events);
         Ok(())
     }
@@ -260,6 +296,9 @@ impl Session {
 
     /// Brings the flow up to what was painted.
     pub(super) fn catch_up(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        if self.method() == Method::Cones {
+            return self.cones_catch_up();
+        }
         let Some(work) = &mut self.work else { return Ok(()) };
         match std::mem::take(&mut work.pending) {
             Pending::None => {}
@@ -289,7 +328,10 @@ impl Session {
     }
 
     pub(super) fn presets(&self) -> Event {
-        presets::event(self.work.as_ref().map(|work| &work.settings))
+        match self.method() {
+            Method::CutFlow => presets::event(self.work.as_ref().map(|work| &work.settings)),
+            Method::Cones => Event::Presets { options: Vec::new(), current: None },
+        }
     }
 
     pub(super) fn apply_preset(
@@ -325,10 +367,14 @@ fn facing(surface: &Surface) -> VertexId {
 
 impl Layers {
     /// The layer of an amount.
-    fn amounts(&mut self, channel: &str) -> &mut Rc<Vec<f64>> {
+    pub(super) fn amounts(&mut self, channel: &str) -> &mut Rc<Vec<f64>> {
         match channel {
             "penalty" => &mut self.penalty,
             "heat" => &mut self.heat,
+            "importance" => &mut self.importance,
+            "unimportant" => &mut self.unimportant,
+            "cone_cost" => &mut self.cone_cost,
+            "excluded" => &mut self.excluded,
             _ => &mut self.pin,
         }
     }
@@ -345,18 +391,19 @@ fn layer_clear(layer: &mut Rc<Vec<f64>>) {
 }
 
 /// The label of a channel. **Fails** if there is none of that name.
-fn known(channel: &str) -> Result<&'static str, Problem> {
-    CHANNELS.iter().find(|c| c[0] == channel).map(|c| c[1]).ok_or_else(|| {
+fn known(channel: &str, method: Method) -> Result<&'static str, Problem> {
+    let channels = channels(method);
+    channels.iter().find(|c| c[0] == channel).map(|c| c[1]).ok_or_else(|| {
         Problem::new(
             format!("“{channel}” cannot be painted."),
             "Brush.",
-            format!("Choose one of {}.", CHANNELS.map(|c| c[0]).join(", ")),
+            format!("Choose one of {}.", channels.iter().map(|c| c[0]).collect::<Vec<_>>().join(", ")),
         )
     })
 }
 
 /// A place on the surface and what is near it.
-struct Dab {
+pub(super) struct Dab {
     face: FaceId,
     place: Point3<f64>,
     radius: f64,
@@ -364,7 +411,7 @@ struct Dab {
 
 impl Dab {
     /// **Takes** a place and a radius in the frame of the scene.
-    fn new(surface: &Surface, face: u32, place: [f64; 3], radius: f64) -> Result<Self, Problem> {
+    pub(super) fn new(surface: &Surface, face: u32, place: [f64; 3], radius: f64) -> Result<Self, Problem> {
         let scale = surface.radius();
         let is_there = (face as usize) < surface.mesh.face_count()
             && place.iter().all(|x| x.is_finite())
@@ -382,7 +429,7 @@ impl Dab {
     }
 
     /// The corner of the face next to the place.
-    fn nearest(&self, surface: &Surface) -> VertexId {
+    pub(super) fn nearest(&self, surface: &Surface) -> VertexId {
         let distance = |v: &VertexId| (surface.geometry.positions[v.index()] - self.place).norm();
         let [a, b, c] = surface.mesh.face_vertices(self.face);
         [b, c].into_iter().fold(a, |x, y| if distance(&y) < distance(&x) { y } else { x })

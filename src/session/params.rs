@@ -7,8 +7,9 @@
 
 use std::collections::BTreeMap;
 
+use super::cones;
 use super::message::{ParamKind, Value};
-use super::specs::specs;
+use super::specs::all_specs;
 use super::text::Problem;
 use crate::methods::cutflow::{CutFlowParams, Pointwise, Schedule, Scheme, Topology, Weights};
 
@@ -29,13 +30,17 @@ pub enum Effect {
     Finish,
     /// Only exports change.
     Export,
+    /// Cones are found anew.
+    Cones,
+    /// The same cones are used another way.
+    ConeSet,
 }
 
 impl Settings {
     /// What is good for a designer's mesh: many pieces, Hencky distortion. Samples have defaults of their own.
     pub fn for_sample(sample: Option<&str>) -> Self {
         let mut settings = Self { values: BTreeMap::new() };
-        for spec in specs() {
+        for spec in all_specs() {
             if let Some(id) = IDS.iter().find(|id| **id == spec.id) {
                 settings.values.insert(id, spec.default);
             }
@@ -72,7 +77,7 @@ impl Settings {
         settings
     }
 
-    /// Value of every parameter, by identifier.
+    /// Value of every parameter of all methods, by identifier.
     pub fn values(&self) -> BTreeMap<String, Value> {
         self.values.iter().map(|(id, value)| ((*id).to_owned(), value.clone())).collect()
     }
@@ -109,7 +114,7 @@ impl Settings {
     ///
     /// **Gives** what has to follow, or `None` if nothing changed. **Fails** on unknown parameters and values out of range.
     pub fn set(&mut self, id: &str, value: Value) -> Result<Option<Effect>, Problem> {
-        let all = specs();
+        let all = all_specs();
         let Some((spec, key)) =
             all.iter().find(|s| s.id == id).zip(IDS.iter().find(|known| **known == id))
         else {
@@ -170,6 +175,8 @@ impl Settings {
             "seed" if self.text("init") == "random" => Effect::Restart,
             "coarse" => Effect::Restart,
             "straighten" | "snap" => Effect::Finish,
+            "round" | "debias" | "seam_hiding" => Effect::ConeSet,
+            id if cones::specs().iter().any(|spec| spec.id == id) => Effect::Cones,
             _ => Effect::NextStep,
         }))
     }
@@ -255,6 +262,24 @@ const IDS: &[&str] = &[
     "kick",
     "saddle_tests",
     "seed",
+    "choose_by",
+    "lambda",
+    "cone_count",
+    "angle_target",
+    "distortion_target",
+    "bounds",
+    "angle_min",
+    "angle_max",
+    "importance",
+    "dear_cones",
+    "feature_weight",
+    "boundary",
+    "corner_cost",
+    "round",
+    "debias",
+    "seam_hiding",
+    "cone_method",
+    "multiresolution",
 ];
 
 #[cfg(test)]
@@ -264,8 +289,8 @@ mod tests {
     #[test]
     fn every_parameter_has_a_default_within_its_range() {
         let mut settings = Settings::for_sample(None);
-        assert_eq!(settings.values().len(), specs().len());
-        for spec in specs() {
+        assert_eq!(settings.values().len(), all_specs().len());
+        for spec in all_specs() {
             assert_eq!(settings.set(&spec.id, spec.default.clone()), Ok(None), "{}", spec.id);
         }
     }

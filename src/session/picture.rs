@@ -8,10 +8,12 @@
 use nalgebra::{Point3, Vector3};
 
 use super::layout::{Layout, rim_halfedges};
+use super::cones::ConeSet;
 use super::message::Choice;
+use super::method::Method;
 use super::scene::{FieldScene, PatchScene, Scene};
 use super::surface::{Surface, face_to_vertex};
-use crate::mesh::{FaceId, OpenedMesh, SurfacePoint};
+use crate::mesh::{FaceId, OpenedMesh, SurfacePoint, VertexId};
 
 /// Colours of the palette.
 const COLOURS: usize = 9;
@@ -19,11 +21,30 @@ const COLOURS: usize = 9;
 /// The field u where it is no scale factor: of a uniform or painted source.
 pub const TEMPERATURE: &str = "temperature";
 
+/// Fields that are amounts of paint.
+const AMOUNTS: [&str; 7] =
+    ["penalty", "heat", "pin", "importance", "unimportant", "cone_cost", "excluded"];
+
 /// Bins of a field's histogram.
 const BINS: usize = 32;
 
-/// Fields that can be painted, `pieces` (none) first.
-pub fn fields() -> Vec<Choice> {
+/// Fields that can be painted while a method is at work, `pieces` (none) first.
+pub fn fields(method: Method) -> Vec<Choice> {
+    if method == Method::Cones {
+        return vec![
+            Choice::new("pieces", "Pieces"),
+            Choice::new("u", "Scale factor u"),
+            Choice::new("curvature", "Curvature K"),
+            Choice::new("phi", "Potential φ (cones at ± λ)"),
+            Choice::new("area", "Area distortion"),
+            Choice::new("angle", "Angle distortion"),
+            Choice::new("importance", "Importance"),
+            Choice::new("unimportant", "Unimportant places"),
+            Choice::new("cone_cost", "Cost of cones"),
+            Choice::new("excluded", "Places without cones"),
+            Choice::new("penalty", "Hidden from seams"),
+        ];
+    }
     vec![
         Choice::new("pieces", "Pieces"),
         Choice::new("u", "Scale factor u"),
@@ -81,7 +102,7 @@ impl<'a> Painted<'a> {
 
     /// Fields without a sign; all others have zero in the middle of their colours.
     fn is_signed(&self) -> bool {
-        !["penalty", "heat", "pin", "regions", "flux"].contains(&self.id)
+        !["regions", "flux"].contains(&self.id) && !AMOUNTS.contains(&self.id)
     }
 
     /// Whether each patch has values of its own: then points on cuts take those of their own side.
@@ -163,7 +184,7 @@ pub fn scene(
 
     let painted = painted.map(|painted| {
         let label =
-            fields().into_iter().find(|f| f.id == painted.id).map_or_else(String::new, |f| f.label);
+            label_of(painted.id);
         (painted.id.to_owned(), label, on_opened(surface, layout, painted), painted.is_signed())
     });
     let known = field_values(surface, layout, u, field)
@@ -173,6 +194,32 @@ pub fn scene(
         result.values = values.into_iter().map(small).collect();
     }
     result
+}
+
+/// What the legend calls a field.
+fn label_of(id: &str) -> String {
+    let mut all = [Method::CutFlow, Method::Cones].into_iter().flat_map(fields);
+    all.find(|f| f.id == id).map_or_else(String::new, |f| f.label)
+}
+
+/// Puts cones in, and where they are on the charts.
+pub fn put_cones(scene: &mut Scene, surface: &Surface, layout: &Layout, set: &ConeSet) {
+    let unit = 1.0 / surface.radius().max(1e-300);
+    let mut numbers = vec![u32::MAX; surface.mesh.vertex_count()];
+    for (i, used) in set.cones.iter().enumerate() {
+        let place = surface.geometry.positions[used.cone.vertex.index()].coords * unit;
+        scene.cone_points.extend(place.iter().map(|&x| x as f32));
+        scene.cone_angles.push(used.cone.angle as f32);
+        numbers[used.cone.vertex.index()] = i as u32;
+    }
+    for (v, &point) in layout.opened.vertex_points.iter().enumerate() {
+        // The points of the cut begin with the vertices of the mesh.
+        let cone = numbers.get(point as usize).copied().unwrap_or(u32::MAX);
+        let has_place = layout.charts[v].iter().all(|x| x.is_finite());
+        if cone != u32::MAX && has_place && layout.opened.mesh.halfedge(VertexId::from(v)).is_some() {
+            scene.cone_charts.extend([v as u32, cone]);
+        }
+    }
 }
 
 fn normal_at(surface: &Surface, point: SurfacePoint) -> Vector3<f64> {
@@ -369,7 +416,7 @@ fn legend(layout: &Layout, id: &str, label: &str, values: &[f64], signed: bool) 
     } else if high - low < 1e-9 {
         high = low + 1e-9;
     }
-    if ["penalty", "heat", "pin"].contains(&id) {
+    if AMOUNTS.contains(&id) {
         // Amounts of paint: all of their range, however little there is.
         (low, high) = (0.0, 1.0);
     }

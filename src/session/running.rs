@@ -2,6 +2,7 @@
 
 use super::inputs::Layers;
 use super::message::Event;
+use super::method::Method;
 use super::report::HistoryRow;
 use super::text::Problem;
 use super::work::{Work, energy_event, start_flow};
@@ -10,6 +11,9 @@ use crate::methods::flow::{Flow, Status};
 
 impl Session {
     pub(super) fn run(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        if self.method() == Method::Cones {
+            return self.cones_run(events);
+        }
         self.need_flow(events)?;
         self.unmark(events);
         if self.is_at_end() {
@@ -31,6 +35,7 @@ impl Session {
 
     pub(super) fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
+        self.cones_pause();
         if let Some(fold) = self.work.as_mut().and_then(|work| work.fold.as_mut()) {
             fold.is_running = false;
         }
@@ -43,6 +48,9 @@ impl Session {
     }
 
     pub(super) fn step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        if self.method() == Method::Cones {
+            return self.cones_step(events);
+        }
         self.need_flow(events)?;
         self.unmark(events);
         self.is_running = false;
@@ -65,6 +73,9 @@ impl Session {
 
     pub(super) fn reset(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
+        if self.method() == Method::Cones {
+            return self.cones_reset(events);
+        }
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let flow = work.new_flow(None)?;
         self.remember("reset", "reset");

@@ -1,12 +1,14 @@
 //! The table of parameters: sliders, command-line options and help are made from it.
 
+use super::cones;
+use super::method::Method;
 use super::message::{Choice, Condition, ParamKind, ParamSpec, Value};
 use super::size::{RANGE_MM, UNITS};
 
 /// The group of unit and size, which the page shows in a panel of their own.
 const SIZE: &str = "Size";
 
-fn number(
+pub(super) fn number(
     id: &str,
     label: &str,
     symbol: &str,
@@ -31,43 +33,56 @@ fn number(
 }
 
 impl ParamSpec {
-    fn group(mut self, group: &str) -> Self {
+    pub(super) fn group(mut self, group: &str) -> Self {
         self.group = group.into();
         self
     }
 
-    fn logarithmic(mut self) -> Self {
+    pub(super) fn logarithmic(mut self) -> Self {
         if let ParamKind::Number { logarithmic, .. } = &mut self.kind {
             *logarithmic = true;
         }
         self
     }
 
-    fn integer(mut self) -> Self {
+    pub(super) fn integer(mut self) -> Self {
         if let ParamKind::Number { integer, .. } = &mut self.kind {
             *integer = true;
         }
         self
     }
 
-    fn advanced(mut self) -> Self {
+    pub(super) fn advanced(mut self) -> Self {
         self.advanced = true;
         self
     }
 
-    fn only_if(mut self, id: &str, one_of: &[&str]) -> Self {
+    pub(super) fn only_if(mut self, id: &str, one_of: &[&str]) -> Self {
         self.visible_if =
             Some(Condition { id: id.into(), one_of: one_of.iter().map(|&v| v.into()).collect() });
         self
     }
 }
 
-/// The table, in the order of the panel.
+/// The parameters of the cut flow, in the order of the panel.
 pub fn specs() -> Vec<ParamSpec> {
     [start(), energy(), cut(), finish(), size(), steps()].concat()
 }
 
-fn choice(group: &str, id: &str, label: &str, options: &[(&str, &str)], help: &str) -> ParamSpec {
+/// The parameters of a method, in the order of the panel.
+pub fn specs_of(method: Method) -> Vec<ParamSpec> {
+    match method {
+        Method::CutFlow => specs(),
+        Method::Cones => [cones::specs(), size()].concat(),
+    }
+}
+
+/// The parameters of all methods, each once.
+pub fn all_specs() -> Vec<ParamSpec> {
+    [specs(), cones::specs()].concat()
+}
+
+pub(super) fn choice(group: &str, id: &str, label: &str, options: &[(&str, &str)], help: &str) -> ParamSpec {
     ParamSpec {
         id: id.into(),
         label: label.into(),
@@ -84,7 +99,7 @@ fn choice(group: &str, id: &str, label: &str, options: &[(&str, &str)], help: &s
     }
 }
 
-fn switch(group: &str, id: &str, label: &str, default: bool, help: &str) -> ParamSpec {
+pub(super) fn switch(group: &str, id: &str, label: &str, default: bool, help: &str) -> ParamSpec {
     ParamSpec {
         kind: ParamKind::Switch,
         default: Value::Truth(default),
@@ -230,7 +245,8 @@ fn finish() -> Vec<ParamSpec> {
     ]
 }
 
-fn size() -> Vec<ParamSpec> {
+/// The real size: of every method.
+pub(super) fn size() -> Vec<ParamSpec> {
     vec![
         choice(SIZE, "unit", "Unit", &UNITS.map(|(id, label, _)| (id, label)),
             "What one unit of the file is. Without one the size is what you say."),

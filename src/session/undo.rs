@@ -5,6 +5,7 @@ use std::rc::Rc;
 use super::Session;
 use super::document::Document;
 use super::message::Event;
+use super::method::Method;
 use super::text::Problem;
 use super::work::{Snapshot, Work, start_flow};
 
@@ -64,6 +65,9 @@ impl Session {
             to.push(work.snapshot(&target.label, &target.kind));
         }
         let mut work = Work::new(target.document, target.settings, flow);
+        work.method = target.method;
+        work.cones.edits = target.edits;
+        work.cones.is_due = target.method == Method::Cones;
         work.layers = target.layers;
         work.pending = target.pending;
         work.symmetries = target.symmetries;

@@ -1,12 +1,15 @@
 //! A document at work: its parameters, its cut, and what is made of both for tables, pictures and files.
 
+use std::f64::consts::PI;
 use std::rc::Rc;
 
 use super::document::Document;
 use super::folding::Fold;
+use super::cones::{Cones, ConesReport, Edits};
 use super::inputs::{self, Layers};
 use super::layout::{Finish, Layout};
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
+use super::method::Method;
 use super::params::Settings;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
 use super::surface::Surface;
@@ -38,6 +41,7 @@ pub(super) enum Pending {
 /// A document, its parameters and its cut.
 pub(super) struct Work {
     pub document: Rc<Document>,
+    pub method: Method,
     pub settings: Settings,
     pub layers: Layers,
     pub pending: Pending,
@@ -54,7 +58,19 @@ pub(super) struct Work {
     /// Shown, but not cut yet.
     pub first_cut_is_due: bool,
     pub start: Option<Vec<Row>>,
+    /// Optimal cones.
+    pub cones: Cones,
+    /// What the other method shows, for coming back to it.
+    pub shelf: Option<Shelf>,
     pub revision: u32,
+}
+
+/// What a method shows.
+pub(super) struct Shelf {
+    pub field: String,
+    layout: Option<Layout>,
+    is_settled: bool,
+    start: Option<Vec<Row>>,
 }
 
 /// What Undo goes back to.
@@ -64,8 +80,10 @@ pub(super) struct Snapshot {
     /// What Undo calls a run of the same kind of changes; those are taken back together.
     pub kind: String,
     pub document: Rc<Document>,
+    pub method: Method,
     pub settings: Settings,
     pub layers: Layers,
+    pub edits: Edits,
     pub pending: Pending,
     pub symmetries: Option<Rc<Vec<Symmetry>>>,
     pub checkpoint: Option<Checkpoint>,
@@ -76,20 +94,42 @@ pub(super) struct Snapshot {
 
 impl Work {
     pub fn step(&self) -> usize {
-        self.flow.as_ref().map_or(0, CutFlow::steps)
+        match self.method {
+            Method::CutFlow => self.flow.as_ref().map_or(0, CutFlow::steps),
+            Method::Cones => self.cones.rounds,
+        }
+    }
+
+    /// Shows another method; what this one shows is kept beside it.
+    ///
+    /// **Takes** the field that is painted. **Gives** the one that the other method had painted, if it was shown before.
+    pub fn change_method(&mut self, method: Method, field: &str) -> Option<String> {
+        let shelf = Shelf {
+            field: field.to_owned(),
+            layout: self.layout.take(),
+            is_settled: std::mem::take(&mut self.is_settled),
+            start: self.start.take(),
+        };
+        self.method = method;
+        self.fold = None;
+        let other = self.shelf.replace(shelf)?;
+        self.layout = other.layout;
+        self.is_settled = other.is_settled;
+        self.start = other.start;
+        Some(other.field)
     }
 
     pub fn labels(&self) -> Vec<u32> {
-        match &self.flow {
-            Some(flow) => flow.state().labels().to_vec(),
-            None => vec![0; self.vertex_count()],
+        match (&self.flow, self.method) {
+            (Some(flow), Method::CutFlow) => flow.state().labels().to_vec(),
+            _ => vec![0; self.vertex_count()],
         }
     }
 
     pub fn u(&self) -> Vec<f64> {
-        match &self.flow {
-            Some(flow) => flow.state().u().to_vec(),
-            None => vec![0.0; self.vertex_count()],
+        match (&self.flow, self.method) {
+            (Some(flow), Method::CutFlow) => flow.state().u().to_vec(),
+            _ => vec![0.0; self.vertex_count()],
         }
     }
 
@@ -153,8 +193,10 @@ impl Work {
             label: label.to_owned(),
             kind: kind.to_owned(),
             document: self.document.clone(),
+            method: self.method,
             settings: self.settings.clone(),
             layers: self.layers.clone(),
+            edits: self.cones.edits.clone(),
             pending: self.pending,
             symmetries: self.symmetries.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
@@ -169,6 +211,7 @@ impl Work {
         let history = flow.iter().map(first_row).collect();
         Self {
             document,
+            method: Method::CutFlow,
             settings,
             layers: Layers::default(),
             pending: Pending::None,
@@ -181,6 +224,8 @@ impl Work {
             is_settled: false,
             first_cut_is_due: false,
             start: None,
+            cones: Cones::default(),
+            shelf: None,
             revision: 0,
         }
     }
@@ -199,6 +244,10 @@ impl Work {
 
     /// The layout of a running flow: with the flow's own factor where all patches are disks, whole otherwise.
     pub fn preview(&mut self) -> Result<(), Problem> {
+        if self.method == Method::Cones {
+            // The charts of the cones before stay until there is time for new ones.
+            return Ok(());
+        }
         let surface = self.document.surface()?;
         let wrong = |error| Problem::solve(&surface.name, &error);
         let packing = self.layout.as_ref().map(|l| &l.packing);
@@ -225,6 +274,14 @@ impl Work {
     pub fn settle(&mut self) -> Result<(), Problem> {
         let surface = self.document.surface()?;
         let packing = self.layout.as_ref().map(|l| &l.packing);
+        if self.method == Method::Cones {
+            let Some(set) = &self.cones.set else { return Ok(()) };
+            let layout = Layout::of_cones(surface, set, &self.seam_cost(), packing)
+                .map_err(|error| Problem::solve(&surface.name, &error))?;
+            self.put_layout(layout);
+            self.is_settled = true;
+            return Ok(());
+        }
         let finish = Finish {
             straighten: self.settings.is_on("straighten"),
             snap: self.settings.is_on("snap"),
@@ -265,12 +322,18 @@ impl Work {
             row("flipped", "Flipped triangles", "", totals.flipped as f64),
             row("overlaps", "Overlaps", "", layout.overlaps() as f64),
         ];
-        if let Some(flow) = &self.flow {
+        if let Some(set) = self.cones.set.as_ref().filter(|_| self.method == Method::Cones) {
+            rows.push(row("cones", "Cones", "", set.cones.len() as f64));
+            rows.push(row("total_angle", "Total angle Φ", "π", set.total_angle / PI));
+            rows.push(row("int_u2", "Distortion ∫u²", "", set.int_u2));
+        }
+        let flow = self.flow.as_ref().filter(|_| self.method == Method::CutFlow);
+        if let Some(flow) = flow {
             let energy = flow.state().energy();
             rows.push(row("dirichlet", "Dirichlet ∫|∇u|²", "", energy.dirichlet));
             rows.push(row("hencky", "Hencky ∫u²", "", energy.hencky));
         }
-        if let Some(flow) = self.flow.as_ref().filter(|flow| flow.params().schedule.is_some()) {
+        if let Some(flow) = flow.filter(|flow| flow.params().schedule.is_some()) {
             rows.push(row("alpha", "Length weight α now", "/√A", flow.weights().length));
         }
         if layout.disk_cut_length > 0.0 {
@@ -329,6 +392,9 @@ impl Work {
 
     /// What a person should know of the cut as a whole.
     fn note(&self, layout: &Layout) -> Option<String> {
+        if self.method == Method::Cones {
+            return self.cones_note();
+        }
         let resting = self.flow.as_ref().map_or(0, CutFlow::resting_components);
         let uncut = (resting > 0).then(|| {
             format!(
@@ -442,28 +508,42 @@ impl Work {
                     .collect();
                 Ok(file("folded.obj", "model/obj", folded_obj(layout, &places)))
             }
+            "Cones (JSON)" if self.method == Method::Cones => {
+                let bytes = self.cones_file()?;
+                Ok(file("cones.json", "application/json", bytes))
+            }
             "Report (JSON)" => {
                 #[derive(serde::Serialize)]
                 struct Whole {
                     info: InfoReport,
-                    cut: CutReport,
+                    #[serde(skip_serializing_if = "Option::is_none")]
+                    cut: Option<CutReport>,
+                    #[serde(skip_serializing_if = "Option::is_none")]
+                    cones: Option<ConesReport>,
                 }
-                let whole = Whole { info: InfoReport::new(document), cut: self.cut_report(None)? };
-                let bytes = serde_json::to_vec_pretty(&whole).map_err(|error| {
-                    Problem::new(
-                        format!("The report could not be written: {error}."),
-                        format!("{}.", document.name),
-                        "Reset the run and try again.",
-                    )
-                })?;
+                let (cut, cones) = match self.method {
+                    Method::CutFlow => (Some(self.cut_report(None)?), None),
+                    Method::Cones => (None, Some(self.cones_report(None)?)),
+                };
+                let bytes = self.json(&Whole { info: InfoReport::new(document), cut, cones })?;
                 Ok(file("report.json", "application/json", bytes))
             }
             _ => Err(Problem::new(
                 format!("There is no export called “{kind}”."),
                 "In the choice of an export.",
-                "Choose Mesh (OBJ), UV mesh (OBJ), Cut curves (OBJ), Cut (JSON), Pattern (SVG) or Report (JSON).",
+                "Choose Mesh (OBJ), UV mesh (OBJ), Cut curves (OBJ), Cut (JSON), Cones (JSON), Pattern (SVG) or Report (JSON).",
             )),
         }
+    }
+
+    pub(super) fn json(&self, value: &impl serde::Serialize) -> Result<Vec<u8>, Problem> {
+        serde_json::to_vec_pretty(value).map_err(|error| {
+            Problem::new(
+                format!("The report could not be written: {error}."),
+                format!("{}.", self.document.name),
+                "Reset the run and try again.",
+            )
+        })
     }
 }
 

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cutflow::session::{
-    Brought, Command, Document, FoldReport, ParamKind, Problem, Session, Settings, Value,
-    settings_for, specs,
+    Brought, Command, Document, FoldReport, Method, ParamKind, Problem, Session, Settings, Value,
+    all_specs, settings_for, specs_of,
 };
 
 use super::{
@@ -186,7 +186,7 @@ fn settings(args: &CutArgs, document: &Document) -> Result<Settings, Problem> {
 }
 
 /// NAME=TEXT in two parts.
-fn assignment<'a>(text: &'a str, option: &str) -> Result<(&'a str, &'a str), Problem> {
+pub fn assignment<'a>(text: &'a str, option: &str) -> Result<(&'a str, &'a str), Problem> {
     text.split_once('=').ok_or_else(|| {
         Problem::new(
             format!("{text} sets nothing."),
@@ -197,8 +197,8 @@ fn assignment<'a>(text: &'a str, option: &str) -> Result<(&'a str, &'a str), Pro
 }
 
 /// A value as the parameter takes it.
-fn typed(id: &str, text: &str) -> Result<Value, Problem> {
-    let spec = specs().into_iter().find(|spec| spec.id == id);
+pub fn typed(id: &str, text: &str) -> Result<Value, Problem> {
+    let spec = all_specs().into_iter().find(|spec| spec.id == id);
     let wrong = || {
         Problem::new(
             format!("{text} is no value of {id}."),
@@ -215,8 +215,8 @@ fn typed(id: &str, text: &str) -> Result<Value, Problem> {
 }
 
 /// What `--set help` prints.
-fn list_parameters() {
-    for spec in specs() {
+pub fn list_parameters(method: Method) {
+    for spec in specs_of(method) {
         let range = match &spec.kind {
             ParamKind::Number { min, max, .. } => format!("{min} to {max} {}", spec.unit),
             ParamKind::Switch => "true or false".into(),
@@ -229,7 +229,7 @@ fn list_parameters() {
 }
 
 /// Numbers of a file, separated by white space.
-fn numbers(path: &Path) -> Result<Vec<f64>, Problem> {
+pub fn numbers(path: &Path) -> Result<Vec<f64>, Problem> {
     let bytes = read(path)?;
     String::from_utf8_lossy(&bytes)
         .split_whitespace()
@@ -288,7 +288,7 @@ fn bring(session: &mut Session, args: &CutArgs) -> Result<(), Problem> {
 
 pub fn run(args: &CutArgs) -> Result<(), Problem> {
     if args.values.iter().any(|text| text == "help") {
-        list_parameters();
+        list_parameters(Method::CutFlow);
         return Ok(());
     }
     let mut session = Session::new();

@@ -18,6 +18,7 @@ macro_rules! say {
     }};
 }
 
+mod cones;
 mod cut;
 
 /// Computes where to cut a curved surface so that its pieces flatten with little distortion.
@@ -54,6 +55,8 @@ enum Task {
     Prepare(PrepareArgs),
     /// Moves a cut to lower the distortion of its pieces.
     Cut(Box<cut::CutArgs>),
+    /// Finds the cones that lower the distortion most for their angle, joins them by seams and flattens.
+    Cones(Box<cones::ConesArgs>),
     /// Flattens a mesh along a cut and measures the result.
     Flatten(FlattenArgs),
 }
@@ -106,6 +109,9 @@ struct FlattenArgs {
     /// A cut.json that `cutflow cut` wrote. Without it only cuts to disks are made.
     #[arg(long, value_name = "FILE")]
     cut: Option<PathBuf>,
+    /// A cones.json that `cutflow cones` wrote: seams join these cones.
+    #[arg(long, value_name = "FILE", conflicts_with = "cut")]
+    cones: Option<PathBuf>,
     /// How to flatten.
     #[arg(long, value_enum, default_value = "bff")]
     method: Method,
@@ -122,6 +128,7 @@ fn main() -> ExitCode {
         Task::Repair { mesh, only, output, report } => repair(&mesh, &only, &output, &report),
         Task::Prepare(args) => prepare(&args),
         Task::Cut(args) => cut::run(&args),
+        Task::Cones(args) => cones::run(&args),
         Task::Flatten(args) => flatten(&args),
     };
     match result {
@@ -236,6 +243,14 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
             "Choose a name that ends in .obj.",
         ));
     }
+    if let Some(path) = &args.cones {
+        let clock = clock();
+        let mut session = cones::with_cones(document, path)?;
+        let mut report = session.cones_report(None)?.flattening;
+        report.seconds = Some(clock.elapsed().as_secs_f64());
+        let uv = session.export("UV mesh (OBJ)")?.bytes;
+        return tell_flattening(args, &report, session.layout()?, &uv);
+    }
     let cut = match &args.cut {
         None => None,
         Some(path) => Some(cut_from_json(surface, &path.display().to_string(), &read(path)?)?),
@@ -244,12 +259,21 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
     let (layout, uv) = surface_layout(surface, cut)?;
     let seconds = clock.elapsed().as_secs_f64();
     let report = FlattenReport::new(&layout, Some(seconds));
+    tell_flattening(args, &report, &layout, &uv)
+}
+
+fn tell_flattening(
+    args: &FlattenArgs,
+    report: &FlattenReport,
+    layout: &Layout,
+    uv: &[u8],
+) -> Result<(), Problem> {
     if !writes_to_stdout(&args.report) {
-        print_flattening(&report);
+        print_flattening(report);
     }
-    warn_of_charts(&layout);
-    write(&args.output, &uv)?;
-    write_json(&args.report, &report)
+    warn_of_charts(layout);
+    write(&args.output, uv)?;
+    write_json(&args.report, report)
 }
 
 fn print_flattening(report: &FlattenReport) {

@@ -1,0 +1,123 @@
+//! `cones.json`: cones as they are used, to be taken up again.
+
+use serde::{Deserialize, Serialize};
+
+use super::super::brought::vertex_of;
+use super::super::message::Event;
+use super::super::surface::Surface;
+use super::super::text::Problem;
+use super::super::work::Work;
+use super::super::{Session, nothing_open};
+use super::edits::{Edits, Placed};
+use super::report::ConeReport;
+use super::{ConeKind, UsedCone};
+use crate::methods::cones::Cone;
+
+/// The kind of file.
+const FORMAT: &str = "cutflow cones 1";
+
+/// Content of the file.
+#[derive(Debug, Serialize, Deserialize)]
+struct ConesFile {
+    format: String,
+    /// Vertices of the mesh's file.
+    vertices: usize,
+    cones: Vec<ConeReport>,
+}
+
+/// Whether a file says that it holds cones.
+pub fn is_cones_file(bytes: &[u8]) -> bool {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]);
+    head.contains("\"format\"") && head.contains("cutflow cones")
+}
+
+/// Cones from the bytes of a file.
+fn cones_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<Vec<Cone>, Problem> {
+    let wrong = |what: String, advice: &str| Problem::new(what, format!("{name}."), advice);
+    let file: ConesFile = serde_json::from_slice(bytes).map_err(|error| {
+        wrong(format!("The cones cannot be read: {error}."), "Choose a cones.json that Cutflow wrote.")
+    })?;
+    if !file.format.starts_with(FORMAT) {
+        return Err(wrong(
+            format!("The file says that it is “{}”.", file.format),
+            "Choose a cones.json that Cutflow wrote.",
+        ));
+    }
+    let count = surface.soup.positions.len();
+    if file.vertices != count {
+        return Err(wrong(
+            format!("The cones are of a mesh of {} vertices, and this one has {count}.", file.vertices),
+            "Open the mesh that they were made for first.",
+        ));
+    }
+    let cone = |cone: &ConeReport| {
+        if !cone.angle.is_finite() {
+            return Err(wrong("An angle is not finite.".into(), "Write angles in radians."));
+        }
+        let vertex = vertex_of(surface, f64::from(cone.vertex), &format!("{name}."))?;
+        Ok(Cone { vertex, angle: cone.angle })
+    };
+    let mut cones = file.cones.iter().map(cone).collect::<Result<Vec<_>, _>>()?;
+    cones.sort_by_key(|cone| cone.vertex);
+    if let Some(pair) = cones.windows(2).find(|pair| pair[0].vertex == pair[1].vertex) {
+        let vertex = surface.soup_vertices[pair[0].vertex.index()];
+        return Err(wrong(format!("Vertex {vertex} is a cone twice."), "Leave one of the two out."));
+    }
+    Ok(cones)
+}
+
+impl Session {
+    /// Uses the cones of a file as they are.
+    pub(in super::super) fn bring_cones(
+        &mut self,
+        name: &str,
+        bytes: &[u8],
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let bring = |work: &mut Work| {
+            let cones = cones_from_json(work.document.surface()?, name, bytes)?;
+            let used = |cone| UsedCone { cone, kind: ConeKind::Fixed, members: 1 };
+            let changed: Vec<UsedCone> = cones.into_iter().map(used).collect();
+            work.try_cones(&changed)?;
+            Ok(Edits { placed: Vec::new(), changed: Some(changed) })
+        };
+        self.change_cones("bring cones", bring, events)
+    }
+
+    /// Puts a cone at a vertex of the file.
+    pub(in super::super) fn bring_cone(
+        &mut self,
+        vertex: f64,
+        angle: Option<f64>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let bring = |work: &mut Work| {
+            let vertex = vertex_of(work.document.surface()?, vertex, "Cones by hand.")?;
+            let mut edits = work.cones.edits.clone();
+            match edits.placed_at(vertex) {
+                Some(i) => edits.placed[i].angle = angle,
+                None => edits.placed.push(Placed { vertex, angle }),
+            }
+            Ok(edits)
+        };
+        self.change_cones("add a cone", bring, events)
+    }
+}
+
+impl Work {
+    /// The bytes of `cones.json`.
+    pub(in super::super) fn cones_file(&self) -> Result<Vec<u8>, Problem> {
+        let (Some(set), Some(surface)) = (&self.cones.set, &self.document.surface) else {
+            return Err(nothing_open());
+        };
+        let report = |used: &UsedCone| ConeReport {
+            vertex: surface.soup_vertices[used.cone.vertex.index()],
+            angle: used.cone.angle,
+        };
+        self.json(&ConesFile {
+            format: FORMAT.into(),
+            vertices: surface.soup.positions.len(),
+            cones: set.cones.iter().map(report).collect(),
+        })
+    }
+}

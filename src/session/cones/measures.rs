@@ -1,0 +1,103 @@
+//! The cones that are used, and what they are worth.
+
+use super::super::params::Settings;
+use super::super::surface::Surface;
+use super::edits::Edits;
+use super::table::ConeComparisonRow;
+use super::{ConeKind, ConeSet, UsedCone};
+use crate::methods::cones::{
+    Cone, ConeFlow, RoundingParams, debias, greedy_cones, round_clusters,
+};
+use crate::methods::flow::{Flow, SolveError};
+
+/// Cones of the optimum, merged and refitted as the parameters say.
+pub fn of_optimum(
+    flow: &mut ConeFlow,
+    settings: &Settings,
+    edits: &Edits,
+    surface: &Surface,
+) -> Result<ConeSet, SolveError> {
+    let state = flow.state();
+    let (optimum, best_u) = (state.cones.clone(), state.u.clone());
+    let alone = |cone: &Cone| UsedCone {
+        cone: *cone,
+        kind: edits.kind(cone.vertex, 1),
+        members: 1,
+    };
+    let mut used: Vec<UsedCone> = optimum.iter().map(alone).collect();
+    let mut is_optimum = true;
+    // Cones that were placed by hand stay where they are.
+    if settings.is_on("round") {
+        let (by_hand, others): (Vec<UsedCone>, Vec<UsedCone>) =
+            used.into_iter().partition(|used| edits.placed_at(used.cone.vertex).is_some());
+        let others: Vec<Cone> = others.into_iter().map(|used| used.cone).collect();
+        let rounded =
+            round_clusters(&surface.mesh, &surface.geometry, &others, &RoundingParams::default());
+        is_optimum = rounded.cones.len() == others.len();
+        used = by_hand;
+        for (cone, cluster) in rounded.cones.iter().zip(&rounded.clusters) {
+            let members = cluster.len();
+            used.push(UsedCone { cone: *cone, kind: edits.kind(cone.vertex, members), members });
+        }
+    }
+    if settings.is_on("debias") {
+        let cones: Vec<Cone> = used.iter().map(|used| used.cone).collect();
+        let fitted = debias(flow, &cones)?;
+        used.iter_mut().zip(fitted).for_each(|(used, cone)| used.cone = cone);
+        is_optimum = false;
+    }
+    used.sort_by_key(|used| used.cone.vertex);
+    if is_optimum {
+        let state = flow.state();
+        return Ok(ConeSet {
+            cones: used,
+            u: best_u,
+            int_u2: state.int_u2,
+            total_angle: state.total_angle,
+            change: None,
+        });
+    }
+    let mut set = evaluated(flow, used)?;
+    let norm = |u: &dyn Fn(usize) -> f64| {
+        let squares = |(v, area): (usize, &f64)| area * u(v) * u(v);
+        flow.areas().iter().enumerate().map(squares).sum::<f64>().sqrt()
+    };
+    let difference = norm(&|v| set.u[v] - best_u[v]);
+    set.change = Some(difference / norm(&|v| best_u[v]).max(f64::MIN_POSITIVE));
+    Ok(set)
+}
+
+/// Any cones with the scale factors that belong to them.
+pub fn evaluated(flow: &mut ConeFlow, used: Vec<UsedCone>) -> Result<ConeSet, SolveError> {
+    let cones: Vec<Cone> = used.iter().map(|used| used.cone).collect();
+    let found = flow.evaluate(&cones)?;
+    Ok(ConeSet {
+        cones: used,
+        u: found.u,
+        int_u2: found.int_u2,
+        total_angle: found.total_angle,
+        change: None,
+    })
+}
+
+/// As many cones by the greedy strategy of older work.
+pub fn greedy(flow: &mut ConeFlow, count: usize) -> Result<ConeSet, SolveError> {
+    let used = |cone| UsedCone { cone, kind: ConeKind::Optimal, members: 1 };
+    let cones = greedy_cones(flow, count)?;
+    evaluated(flow, cones.into_iter().map(used).collect())
+}
+
+/// A row of the comparison; charts are measured elsewhere.
+pub fn row(label: String, set: &ConeSet) -> ConeComparisonRow {
+    ConeComparisonRow {
+        label,
+        count: set.cones.len(),
+        total_angle: set.total_angle,
+        int_u2: set.int_u2,
+        // The surface has unit area.
+        rms_u: set.int_u2.sqrt(),
+        max_abs_u: set.u.iter().filter(|u| u.is_finite()).fold(0.0, |m: f64, u| m.max(u.abs())),
+        chart_angle: None,
+        chart_area: None,
+    }
+}

@@ -1,0 +1,63 @@
+//! The optimum as a function of λ, sampled while there is time.
+
+use super::super::message::Event;
+use super::table::ConePathPoint;
+use super::{Cones, Solver};
+use crate::methods::cones::{ConePath, PathPoint};
+use crate::methods::flow::SolveError;
+
+/// The prices of the plot: a factor of 500 down from the first, which is where most surfaces have their last cone.
+const SAMPLES: usize = 33;
+const LOWEST: f64 = 1e-3;
+
+/// The sampling that is going on.
+pub struct Tracing {
+    path: ConePath,
+}
+
+impl Cones {
+    /// Begins to sample the path.
+    pub fn begin_path(&mut self) {
+        if let Some(Solver { flow, .. }) = &self.solver {
+            self.tracing = Some(Tracing { path: ConePath::new(flow, LOWEST, SAMPLES) });
+        }
+    }
+
+    /// One bounded step of it. **Gives** whether there is a new point or an end to tell.
+    pub fn trace(&mut self) -> Result<bool, SolveError> {
+        let (Some(tracing), Some(solver)) = (&mut self.tracing, &mut self.solver) else {
+            self.tracing = None;
+            return Ok(true);
+        };
+        let before = tracing.path.points().len();
+        let goes_on = tracing.path.advance(&mut solver.flow)?;
+        let points = tracing.path.points();
+        let is_news = points.len() != before || !goes_on;
+        if is_news {
+            self.path = points.to_vec();
+        }
+        if !goes_on {
+            self.tracing = None;
+        }
+        Ok(is_news)
+    }
+
+    /// The path as far as it is known, λ descending.
+    pub fn path_points(&self) -> Vec<ConePathPoint> {
+        let point = |p: &PathPoint| ConePathPoint {
+            lambda: p.lambda,
+            count: p.count,
+            total_angle: p.total_angle,
+            int_u2: p.int_u2,
+        };
+        self.path.iter().map(point).collect()
+    }
+
+    /// The same for the page.
+    pub fn path_event(&self) -> Event {
+        Event::ConePath {
+            points: self.path_points(),
+            is_complete: self.tracing.is_none() && !self.path.is_empty(),
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! Sessions that look for cones, as page and command line drive them.
+
+use std::f64::consts::PI;
+
+use cutflow::session::{Brought, Command, ConeTable, Event, Method, Session, Value};
+
+use crate::scripts::{errors, measure, set, status};
+
+fn run(session: &mut Session) -> Vec<Event> {
+    let mut events = Vec::new();
+    while session.is_running() {
+        events.extend(session.advance(&mut || true));
+    }
+    events
+}
+
+fn cones(events: &[Event]) -> ConeTable {
+    let mut tables = events.iter().rev().filter_map(|event| match event {
+        Event::Cones(table) => Some(table.clone()),
+        _ => None,
+    });
+    tables.next().expect("cones are told of")
+}
+
+/// A session with a sample whose cones are found.
+fn solved(sample: &str) -> (Session, Vec<Event>) {
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: sample.into() });
+    let mut events = session.handle(Command::SetMethod { id: "cones".into() });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    (session, events)
+}
+
+fn total(table: &ConeTable) -> f64 {
+    table.cones.iter().map(|cone| cone.angle).sum()
+}
+
+#[test]
+fn choosing_the_method_finds_cones_joins_them_and_flattens() {
+    let (mut session, events) = solved("plush_bear");
+    assert!(status(&events).starts_with("Converged after"), "{}", status(&events));
+    let table = cones(&events);
+    assert!(table.cones.len() >= 3 && table.raw_count >= table.cones.len());
+    assert!(table.kkt_residual < 1e-8, "{:e}", table.kkt_residual);
+    // A closed surface of genus 0; rounding of a hundred angles.
+    assert!((total(&table) - 4.0 * PI).abs() < 1e-9);
+    assert!((measure(&events, "Pieces") - 1.0).abs() < 1e-12);
+    assert!(measure(&events, "Cut length") > 0.0);
+    assert!(measure(&events, "Flipped triangles") < 0.5);
+    let scene = session.scene().unwrap();
+    assert_eq!(scene.cone_angles.len(), table.cones.len());
+    assert_eq!(scene.cone_points.len(), 3 * table.cones.len());
+    // Every cone is on a rim, so that it has a place on the chart.
+    for cone in 0..table.cones.len() as u32 {
+        assert!(scene.cone_charts.chunks(2).any(|pair| pair[1] == cone), "cone {cone}");
+    }
+    assert_eq!(scene.field.unwrap().id, "u");
+    for kind in ["UV mesh (OBJ)", "Cut curves (OBJ)", "Pattern (SVG)", "Cones (JSON)", "Cut (JSON)"] {
+        assert!(!session.export(kind).unwrap().bytes.is_empty(), "{kind}");
+    }
+}
+
+#[test]
+fn a_dearer_angle_leaves_fewer_cones_and_undo_brings_them_back() {
+    let (mut session, events) = solved("plush_bear");
+    let many = cones(&events);
+    let mut events = set(&mut session, "lambda", Value::Number(0.04));
+    events.extend(run(&mut session));
+    let few = cones(&events);
+    assert!(few.total_angle < many.total_angle + 1e-9);
+    assert!(few.raw_int_u2 > many.raw_int_u2);
+    let mut events = session.handle(Command::Undo);
+    events.extend(run(&mut session));
+    let again = cones(&events);
+    assert_eq!(again.raw_count, many.raw_count);
+    // The optimum is unique; the way to it was another.
+    assert!((again.raw_int_u2 - many.raw_int_u2).abs() < 1e-9 * many.raw_int_u2);
+}
+
+#[test]
+fn cones_can_be_chosen_by_their_number_by_total_angle_and_by_distortion() {
+    let (mut session, events) = solved("plush_bear");
+    let start = cones(&events);
+    set(&mut session, "choose_by", Value::Text("angle".into()));
+    let mut events = set(&mut session, "angle_target", Value::Number(6.0));
+    events.extend(run(&mut session));
+    let table = cones(&events);
+    assert!((table.total_angle / PI - 6.0).abs() < 0.3, "{}", table.total_angle / PI);
+    set(&mut session, "choose_by", Value::Text("distortion".into()));
+    let wanted = 0.5 * start.raw_int_u2;
+    let mut events = set(&mut session, "distortion_target", Value::Number(wanted));
+    events.extend(run(&mut session));
+    let table = cones(&events);
+    assert!(table.raw_int_u2 <= wanted * 1.01 && table.raw_int_u2 > 0.8 * wanted);
+    set(&mut session, "choose_by", Value::Text("count".into()));
+    let mut events = set(&mut session, "cone_count", Value::Number(12.0));
+    events.extend(run(&mut session));
+    let table = cones(&events);
+    assert!(table.cones.len() <= 12 && table.cones.len() >= 3, "{}", table.cones.len());
+}
+
+#[test]
+fn angles_typed_by_hand_keep_gauss_bonnet_and_are_exact_on_the_chart() {
+    let (mut session, events) = solved("plush_bear");
+    let before = cones(&events);
+    let wanted = 0.75 * PI;
+    let mut events =
+        session.handle(Command::SetConeAngle { cone: 1, angle: Some(wanted) });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    events.extend(run(&mut session));
+    let table = cones(&events);
+    assert!((table.cones[1].angle - wanted).abs() < 1e-12);
+    assert_eq!(table.cones[1].kind, "fixed");
+    assert!(table.is_edited);
+    assert!((total(&table) - total(&before)).abs() < 1e-9);
+    // What is left of the full turn is the angle of the chart around the cone, over all its places.
+    let scene_angle = session.layout().map(chart_angle_at(table.cones[1].vertex)).unwrap();
+    assert!((scene_angle - (2.0 * PI - wanted)).abs() < 1e-9, "{scene_angle}");
+    // More than a full turn cannot be taken out of a surface.
+    let refused = session.handle(Command::SetConeAngle { cone: 1, angle: Some(7.0) });
+    assert_eq!(errors(&refused).len(), 1);
+    let mut events = session.handle(Command::ClearCones);
+    events.extend(run(&mut session));
+    assert!(!cones(&events).is_edited);
+    assert_eq!(cones(&events).cones.len(), before.cones.len());
+}
+
+/// The angle that charts have around a vertex of the mesh, over all its copies.
+fn chart_angle_at(vertex: u32) -> impl FnOnce(&cutflow::session::Layout) -> f64 {
+    move |layout| {
+        let opened = &layout.opened;
+        let mut sum = 0.0;
+        for face in opened.mesh.faces() {
+            let corners = opened.mesh.face_vertices(face);
+            for i in 0..3 {
+                if opened.vertex_points[corners[i].index()] != vertex {
+                    continue;
+                }
+                let [a, b, c] =
+                    [0, 1, 2].map(|k| layout.flattening.uv[corners[(i + k) % 3].index()]);
+                let (p, q) = (b - a, c - a);
+                sum += p.perp(&q).atan2(p.dot(&q));
+            }
+        }
+        sum
+    }
+}
+
+#[test]
+fn cones_are_added_moved_and_removed() {
+    let (mut session, events) = solved("plush_bear");
+    let before = cones(&events);
+    let scene = session.scene().unwrap();
+    let face = 40;
+    let corner = scene.triangles[3 * face] as usize;
+    let place = [0, 1, 2].map(|i| f64::from(scene.positions[3 * corner + i]));
+    let face = scene.triangle_faces[face];
+    let mut events = session.handle(Command::AddCone { face, place, angle: None });
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    let table = cones(&events);
+    let free = table.cones.iter().find(|cone| cone.kind == "free").unwrap();
+    // A free cone can only help.
+    assert!(table.raw_int_u2 <= before.raw_int_u2 + 1e-9);
+    let (added, vertex) = (free.cone, free.vertex);
+    let other = table.cones.iter().find(|cone| cone.kind != "free").unwrap();
+    let target = scene.triangle_faces[scene.triangle_faces.len() / 2];
+    let at = 3 * scene.triangles[3 * (scene.triangle_faces.len() / 2)] as usize;
+    let place = [0, 1, 2].map(|i| f64::from(scene.positions[at + i]));
+    let mut events = session.handle(Command::MoveCone { cone: other.cone, face: target, place });
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    let moved = cones(&events);
+    assert_eq!(moved.cones.len(), table.cones.len());
+    assert!(moved.cones.iter().all(|cone| cone.vertex != other.vertex));
+    assert!((total(&moved) - total(&before)).abs() < 1e-9);
+    let free = moved.cones.iter().find(|cone| cone.vertex == vertex).unwrap();
+    let mut events = session.handle(Command::RemoveCone { cone: free.cone });
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert!(cones(&events).cones.iter().all(|cone| cone.vertex != vertex), "{added}");
+    assert!((total(&cones(&events)) - total(&before)).abs() < 1e-9);
+}
+
+#[test]
+fn the_path_over_lambda_falls_in_angle_and_rises_in_distortion() {
+    let (mut session, _) = solved("plush_bear");
+    let mut events = session.handle(Command::TracePath);
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    let (points, is_complete) = events
+        .iter()
+        .rev()
+        .find_map(|event| match event {
+            Event::ConePath { points, is_complete } => Some((points.clone(), *is_complete)),
+            _ => None,
+        })
+        .unwrap();
+    assert!(is_complete && points.len() > 10);
+    for pair in points.windows(2) {
+        assert!(pair[0].lambda > pair[1].lambda);
+        assert!(pair[1].total_angle >= pair[0].total_angle - 1e-9);
+        assert!(pair[1].int_u2 <= pair[0].int_u2 + 1e-9);
+    }
+}
+
+#[test]
+fn the_greedy_baseline_is_worse_at_more_angle_or_more_distortion() {
+    let (mut session, _) = solved("plush_bear");
+    let events = session.handle(Command::CompareCones);
+    let rows = events
+        .iter()
+        .find_map(|event| match event {
+            Event::ConeComparison { rows } => Some(rows.clone()),
+            _ => None,
+        })
+        .unwrap();
+    assert_eq!(rows.len(), 2);
+    assert_eq!(rows[0].count, rows[1].count);
+    assert!(rows[1].int_u2 > rows[0].int_u2 || rows[1].total_angle > rows[0].total_angle);
+    assert!(rows.iter().all(|row| row.chart_angle.is_some_and(|x| x >= 1.0)));
+}
+
+#[test]
+fn places_painted_as_forbidden_hold_no_cones_and_important_ones_less_distortion() {
+    let (mut session, events) = solved("plush_bear");
+    let first = cones(&events).cones[0].clone();
+    let count = session.document().unwrap().soup.positions.len();
+    let mut values = vec![0.0; count];
+    values[first.vertex as usize] = 1.0;
+    let mut events = session.bring(Brought::Layer { channel: "excluded", values: &values });
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert!(cones(&events).cones.iter().all(|cone| cone.vertex != first.vertex));
+}
+
+#[test]
+fn a_file_of_cones_is_used_as_it_is() {
+    let (mut session, events) = solved("plush_bear");
+    let table = cones(&events);
+    let bytes = session.export("Cones (JSON)").unwrap().bytes;
+    let mut other = Session::new();
+    other.handle(Command::OpenSample { name: "plush_bear".into() });
+    let mut events = other.open("cones.json", &bytes);
+    events.extend(run(&mut other));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert_eq!(other.method(), Method::Cones);
+    let again = cones(&events);
+    assert_eq!(again.cones.len(), table.cones.len());
+    assert!((again.int_u2 - table.int_u2).abs() < 1e-9 * table.int_u2);
+    // A surface that it was not made for.
+    let mut other = Session::new();
+    other.handle(Command::OpenSample { name: "ball".into() });
+    assert_eq!(errors(&other.open("cones.json", &bytes)).len(), 1);
+}
+
+#[test]
+fn surfaces_that_are_flat_convex_or_open_say_what_it_means_for_cones() {
+    let (_, events) = solved("ball");
+    assert!(cones(&events).note.unwrap().contains("convex"), "the ball");
+    let mut session = Session::new();
+    session.handle(Command::SetMethod { id: "cones".into() });
+    let mut events = session.open("tube.obj", tube().as_bytes());
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    let table = cones(&events);
+    assert!(table.cones.is_empty() && table.note.is_some(), "the tube");
+    let (_, events) = solved("car_hood");
+    assert!(errors(&events).is_empty());
+}
+
+/// A tube without ends, which is flat.
+fn tube() -> String {
+    let mut text = String::new();
+    for ring in 0..6 {
+        for i in 0..12 {
+            let (y, x) = (f64::from(i) * PI / 6.0).sin_cos();
+            text += &format!("v {x} {y} {}\n", 0.5 * f64::from(ring));
+        }
+    }
+    for ring in 0..5 {
+        for i in 0..12 {
+            let at = |ring: i32, i: i32| 12 * ring + i % 12 + 1;
+            let [a, b] = [at(ring, i), at(ring, i + 1)];
+            let [c, d] = [at(ring + 1, i + 1), at(ring + 1, i)];
+            text += &format!("f {a} {b} {c} {d}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn impossible_bounds_are_refused_with_a_way_on() {
+    let (mut session, _) = solved("plush_bear");
+    set(&mut session, "bounds", Value::Text("custom".into()));
+    let mut events = set(&mut session, "angle_max", Value::Number(0.0));
+    events.extend(run(&mut session));
+    assert_eq!(errors(&events).len(), 1, "{:?}", errors(&events));
+    let mut events = set(&mut session, "bounds", Value::Text("positive".into()));
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty());
+    assert!(cones(&events).cones.iter().all(|cone| cone.angle > 0.0));
+}
+
+#[test]
+fn methods_keep_what_they_have_made() {
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: "rounded_box".into() });
+    session.handle(Command::Step);
+    let cut = session.export("Cut (JSON)").unwrap().bytes;
+    session.handle(Command::SetMethod { id: "cones".into() });
+    run(&mut session);
+    assert_eq!(session.method(), Method::Cones);
+    let mut events = session.handle(Command::SetMethod { id: "cutflow".into() });
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert_eq!(session.export("Cut (JSON)").unwrap().bytes, cut);
+    session.handle(Command::Undo);
+    assert_eq!(session.method(), Method::Cones);
+    assert_eq!(errors(&session.handle(Command::SetMethod { id: "magic".into() })).len(), 1);
+}
