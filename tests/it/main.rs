@@ -26,6 +26,7 @@ mod reading_off;
 mod reading_ply;
 mod reading_solids;
 mod scripts;
+mod seams;
 mod solving;
 mod starts;
 mod straightening;
