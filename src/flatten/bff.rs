@@ -10,6 +10,10 @@
 //! 3. Closing: lengths l, directions Σ k̃. Partners across a seam share one length (see the source of `closing`).
 //! 4. A_II x = −A_IB x_B for both coordinates.
 //!
+//! With scale factors given on the rim ([`bff_scaled`]) step 1 is A_II u = −Ω_I − A_IB u_B, step 2 k̃ = k + (A u)_B, and rim lengths
+//! are l e^{(u_a + u_b) / 2}. If u solves A u = μ − Ω on the uncut surface, the copies of a point on seams have interior angles that add up
+//! to 2π − μ, because each edge's weight is the sum of those of its sides: charts of a *cone metric*.
+//!
 //! Guaranteed: developable patches become isometric charts to rounding; a triangle or a strip too; a defective patch costs
 //! no other patch its chart. Not guaranteed: freedom from flips and overlaps; accuracy of u on triangulations with very
 //! obtuse angles.
@@ -19,7 +23,7 @@ use std::sync::Arc;
 
 use nalgebra::Point2;
 
-use super::closing::Polygons;
+use super::closing::{MAX_LOG_RATIO, Polygons, Turns};
 use super::{Flattening, NoChart, rims};
 use crate::geometry::{Geometry, angle_defects};
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
@@ -34,18 +38,29 @@ use crate::mesh::{FaceId, HalfedgeId, Mesh, OpenedMesh, VertexId};
 /// **From** [BFF] §4–6. **Differs**: closing lets rim directions give way together with lengths, and seam partners share
 /// a length. **See** [`bff_with`].
 pub fn bff(opened: &OpenedMesh, geometry: &Geometry) -> Result<Flattening, LinalgError> {
-    let mut problem = Problem::new(opened, geometry);
-    let (pattern, slots) = problem.interior_pattern();
-    let analysis = Arc::new(Analysis::new(pattern)?);
-    loop {
-        let values = problem.interior_values(analysis.pattern(), &slots);
-        match Factor::new(analysis.clone(), &values) {
-            Ok(mut factor) => return problem.solve(&mut factor),
-            // Rounding in extreme slivers: the patch loses its chart, the others do not.
-            Err(LinalgError::NotPositiveDefinite { row }) => problem.give_up(VertexId::from(row)),
-            Err(error) => return Err(error),
-        }
-    }
+    Problem::new(opened, geometry, None).factor_and_solve()
+}
+
+/// Flattens every patch that is a disk, with given log scale factors on its rim.
+///
+/// **Takes** an opened surface and its measures, and u for each of its vertices, of which those on rims count. Along seams u is the
+/// solution of A u = μ − Ω on the uncut surface, the same at all copies of a point (see the module); along the surface's own
+/// boundary it is free.
+/// **Gives** charts like [`bff`], whose angles about points on seams add up to 2π − μ, to the accuracy that u has as a solution, and
+/// whose own boundaries turn as u demands. [`Flattening::angles_exact`] is false where charts could not be closed like that: then
+/// rim directions gave way as in [`bff`].
+/// **Fails** for lack of memory only; patches that cannot be flattened say so one by one, a patch whose rim would get lengths that are
+/// not positive numbers among them.
+/// **Costs** as [`bff`].
+/// **From** [BFF] §5–6. **Differs**: closing changes lengths by the least relative entropy; where that is not possible, or by
+/// more than a tenth, partners turn together (see the source of `closing`).
+pub fn bff_scaled(
+    opened: &OpenedMesh,
+    geometry: &Geometry,
+    rim_u: &[f64],
+) -> Result<Flattening, LinalgError> {
+    assert_eq!(rim_u.len(), opened.mesh.vertex_count());
+    Problem::new(opened, geometry, Some(rim_u)).factor_and_solve()
 }
 
 /// [`bff`] with a factor that is at hand: the live preview of a cut flow.
@@ -60,7 +75,7 @@ pub fn bff_with(
     geometry: &Geometry,
     interior: &mut Factor,
 ) -> Result<Flattening, LinalgError> {
-    Problem::new(opened, geometry).solve(interior)
+    Problem::new(opened, geometry, None).solve(interior)
 }
 
 /// What a vertex is to the problem.
@@ -72,6 +87,10 @@ enum Role {
     Rim,
 }
 
+/// How much lengths may change, as a log ratio, before partners turn together instead. Smaller, and directions change that need not;
+/// larger, and a few sides become much longer or shorter than their scale factors say.
+const MAX_STRETCH: f64 = 0.1;
+
 struct Problem<'a> {
     opened: &'a OpenedMesh,
     mesh: &'a Mesh,
@@ -81,10 +100,12 @@ struct Problem<'a> {
     roles: Vec<Role>,
     /// ½ (cot α + cot β) for each edge.
     edge_weights: Vec<f64>,
+    /// Given log scale factors, which count on rims; 0 there if none are given.
+    rim_u: Option<&'a [f64]>,
 }
 
 impl<'a> Problem<'a> {
-    fn new(opened: &'a OpenedMesh, geometry: &'a Geometry) -> Self {
+    fn new(opened: &'a OpenedMesh, geometry: &'a Geometry, rim_u: Option<&'a [f64]>) -> Self {
         let mesh = &opened.mesh;
         let mut charts = rims(opened);
         let mut edge_weights = vec![0.0; mesh.edge_count()];
@@ -94,6 +115,10 @@ impl<'a> Problem<'a> {
             for (i, h) in mesh.face_halfedges(face).into_iter().enumerate() {
                 edge_weights[h.edge().index()] += 0.5 * cotangents[(i + 2) % 3];
                 usable &= geometry.edge_length(h.edge()) > 0.0;
+                if mesh.is_boundary_edge(h.edge()) {
+                    let length = scaled_length(mesh, geometry, rim_u, h);
+                    usable &= length > 0.0 && length.is_finite();
+                }
             }
             let chart = &mut charts[opened.face_patches[face.index()] as usize];
             if !usable && chart.is_ok() {
@@ -110,7 +135,30 @@ impl<'a> Problem<'a> {
                 None => Role::Outside,
             })
             .collect();
-        Self { opened, mesh, geometry, charts, vertex_patches, roles, edge_weights }
+        Self { opened, mesh, geometry, charts, vertex_patches, roles, edge_weights, rim_u }
+    }
+
+    fn factor_and_solve(mut self) -> Result<Flattening, LinalgError> {
+        let (pattern, slots) = self.interior_pattern();
+        let analysis = Arc::new(Analysis::new(pattern)?);
+        loop {
+            let values = self.interior_values(analysis.pattern(), &slots);
+            match Factor::new(analysis.clone(), &values) {
+                Ok(mut factor) => return self.solve(&mut factor),
+                // Rounding in extreme slivers: the patch loses its chart, the others do not.
+                Err(LinalgError::NotPositiveDefinite { row }) => self.give_up(VertexId::from(row)),
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Log scale factor of a rim vertex.
+    fn given(&self, v: VertexId) -> f64 {
+        self.rim_u.map_or(0.0, |u| u[v.index()])
+    }
+
+    fn length(&self, h: HalfedgeId) -> f64 {
+        scaled_length(self.mesh, self.geometry, self.rim_u, h)
     }
 
     fn is_interior(&self, v: VertexId) -> bool {
@@ -165,6 +213,16 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Calls with every edge that joins two rim vertices, and its weight.
+    fn for_edges_on_rims(&self, mut call: impl FnMut([VertexId; 2], f64)) {
+        for e in self.mesh.edges() {
+            let ends = self.mesh.edge_vertices(e);
+            if ends.iter().all(|v| self.roles[v.index()] == Role::Rim) {
+                call(ends, self.edge_weights[e.index()]);
+            }
+        }
+    }
+
     /// Takes the patch of a vertex out of the problem.
     fn give_up(&mut self, v: VertexId) {
         let patch = self.vertex_patches[v.index()];
@@ -187,13 +245,19 @@ impl<'a> Problem<'a> {
         for v in &inside {
             u[v.index()] = -curvatures[v.index()];
         }
+        self.for_rim_edges(|inside, rim, weight| u[inside.index()] += weight * self.given(rim));
         factor.solve(&mut u, 1);
 
         let mut rim_curvatures = curvatures;
         self.for_rim_edges(|inside, rim, weight| {
-            rim_curvatures[rim.index()] -= weight * u[inside.index()];
+            rim_curvatures[rim.index()] += weight * (self.given(rim) - u[inside.index()]);
         });
-        let (places, seams_equal) = self.close_rims(&rim_curvatures)?;
+        self.for_edges_on_rims(|ends, weight| {
+            let flux = weight * (self.given(ends[0]) - self.given(ends[1]));
+            rim_curvatures[ends[0].index()] += flux;
+            rim_curvatures[ends[1].index()] -= flux;
+        });
+        let Closed { places, seams_equal, angles_exact } = self.close_rims(&rim_curvatures)?;
 
         let mut coordinates = vec![0.0; 2 * rows];
         self.for_rim_edges(|inside, rim, weight| {
@@ -211,7 +275,7 @@ impl<'a> Problem<'a> {
                     uv[i] = Point2::new(coordinates[i], coordinates[rows + i]);
                     scale_factors[i] = u[i];
                 }
-                Role::Rim => scale_factors[i] = 0.0,
+                Role::Rim => scale_factors[i] = self.given(v),
                 Role::Outside => {}
             }
         }
@@ -227,11 +291,11 @@ impl<'a> Problem<'a> {
                 scale_factors[i] = f64::NAN;
             }
         }
-        Ok(Flattening { charts: self.charts, uv, u: scale_factors, seams_equal })
+        Ok(Flattening { charts: self.charts, uv, u: scale_factors, seams_equal, angles_exact })
     }
 
-    /// Places of the rim vertices, and whether partners are equally long.
-    fn close_rims(&self, rim_curvatures: &[f64]) -> Result<(Vec<Point2<f64>>, bool), LinalgError> {
+    /// Places of the rim vertices.
+    fn close_rims(&self, rim_curvatures: &[f64]) -> Result<Closed, LinalgError> {
         let mut polygons = Polygons {
             starts: vec![0],
             side_lengths: Vec::new(),
@@ -246,14 +310,18 @@ impl<'a> Problem<'a> {
                 let slot = &mut edge_lengths[shared.index()];
                 if *slot == usize::MAX {
                     *slot = polygons.lengths.len();
-                    polygons.lengths.push(self.geometry.edge_length(h.edge()));
+                    polygons.lengths.push(self.length(h));
                 }
                 polygons.side_lengths.push(*slot);
             }
             self.push_directions(rim, rim_curvatures, &mut polygons.directions);
             polygons.starts.push(polygons.directions.len());
         }
-        let seams_equal = polygons.close_together()?;
+        let angles_exact = self.rim_u.is_some()
+            && (polygons.close_together(Turns::None, MAX_STRETCH)?
+                || polygons.close_together(Turns::Shared, MAX_LOG_RATIO)?
+                || polygons.close_together(Turns::None, MAX_LOG_RATIO)?);
+        let seams_equal = angles_exact || polygons.close_together(Turns::Free, MAX_LOG_RATIO)?;
         if !seams_equal {
             polygons.close_apart();
         }
@@ -261,7 +329,7 @@ impl<'a> Problem<'a> {
         for (h, corner) in self.charts.iter().flatten().flatten().zip(polygons.corners()) {
             places[self.mesh.tail(*h).index()] = corner;
         }
-        Ok((places, seams_equal))
+        Ok(Closed { places, seams_equal, angles_exact })
     }
 
     /// Directions of a rim's sides, the first 0, each turned left from the one before by the curvature between them.
@@ -269,7 +337,7 @@ impl<'a> Problem<'a> {
     /// A total that is not 2π (the factor's matrix is not exactly the one of these measures) is corrected evenly.
     fn push_directions(&self, rim: &[HalfedgeId], curvatures: &[f64], directions: &mut Vec<f64>) {
         let curvature = |h: &HalfedgeId| curvatures[self.mesh.tail(*h).index()];
-        let length = |h: &HalfedgeId| self.geometry.edge_length(h.edge());
+        let length = |h: &HalfedgeId| self.length(*h);
         let perimeter: f64 = rim.iter().map(length).sum();
         let excess = (rim.iter().map(curvature).sum::<f64>() - TAU) / perimeter;
         let mut direction = 0.0;
@@ -281,4 +349,19 @@ impl<'a> Problem<'a> {
             directions.push(direction);
         }
     }
+}
+
+/// Rims in the plane.
+struct Closed {
+    /// Of the rim vertices; NaN elsewhere.
+    places: Vec<Point2<f64>>,
+    seams_equal: bool,
+    angles_exact: bool,
+}
+
+/// l e^{(u_a + u_b) / 2}, or l without u.
+fn scaled_length(mesh: &Mesh, geometry: &Geometry, u: Option<&[f64]>, h: HalfedgeId) -> f64 {
+    let length = geometry.edge_length(h.edge());
+    let scale = |u: &[f64]| (0.5 * (u[mesh.tail(h).index()] + u[mesh.tip(h).index()])).exp();
+    u.map_or(length, |u| length * scale(u))
 }

@@ -13,6 +13,15 @@
 //! dependent conditions, and rounding decides the result. Cut along its plane of symmetry, a cow could not be closed at all
 //! with lengths alone, and at the equator of a sphere with 10 000 vertices lengths had to change by 14 %; with turns it is 0.2 %
 //! and below 0.01 %, in two rounds.
+//!
+//! Where cones are prescribed directions must not give way one by one, because they are what the cones' angles are made of. The
+//! angles about a point on seams are differences of directions of partners, over the two sides of each corner; they do not change if
+//! no direction does ([`Turns::None`]), nor if both partners turn by the same angle, each in its chart ([`Turns::Shared`]; sides
+//! without partner keep theirs). The first is a convex problem: with l e^σ for the lengths, the rounds are Newton's method for the dual of
+//!
+//! minimise Σ l̃ ln(l̃ / l) − l̃ subject to Σ l̃ (cos, sin) φ = 0,
+//!
+//! and lengths stay positive whatever happens.
 
 use std::sync::Arc;
 
@@ -20,6 +29,17 @@ use nalgebra::{Point2, Vector2};
 
 use super::{small, turned};
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
+
+/// Which directions may change when polygons are closed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Turns {
+    /// None.
+    None,
+    /// Those of partners, both by one angle: the angles about points on seams stay.
+    Shared,
+    /// All, each for itself.
+    Free,
+}
 
 /// Polygons by lengths and directions of their sides.
 pub(super) struct Polygons {
@@ -38,19 +58,24 @@ const MAX_ROUNDS: usize = 25;
 /// A round changes no log length and no direction by more than this, so that far starts do not overshoot.
 const MAX_CHANGE: f64 = 0.5;
 /// Log length ratio beyond which a "nearly closed" polygon was not: better closed without its partners.
-const MAX_LOG_RATIO: f64 = 1.0;
+pub(super) const MAX_LOG_RATIO: f64 = 1.0;
 /// Misclosure left, as a fraction of the perimeter: rounding of a few thousand sides.
 const CLOSED: f64 = 1e-14;
 
 impl Polygons {
-    /// Closes all polygons, seam lengths shared. **Gives** false, and changes nothing, where no solution is near.
+    /// Closes all polygons, seam lengths shared. **Gives** false, and changes nothing, where no solution is near: lengths
+    /// would change by more than a factor e^`max_log_ratio`.
     ///
     /// **Costs** a few factorisations with 2 rows for each polygon.
-    pub fn close_together(&mut self) -> Result<bool, LinalgError> {
+    pub fn close_together(
+        &mut self,
+        turns: Turns,
+        max_log_ratio: f64,
+    ) -> Result<bool, LinalgError> {
         if self.starts.len() < 2 {
             return Ok(true);
         }
-        let mut system = System::new(self)?;
+        let mut system = System::new(self, turns)?;
         let (mut lengths, mut directions) = (self.lengths.clone(), self.directions.clone());
         let mut least = f64::INFINITY;
         for _ in 0..MAX_ROUNDS {
@@ -59,7 +84,7 @@ impl Polygons {
             // Convergence is quadratic until rounding, which long rims may keep above the threshold.
             if worst <= CLOSED || (worst < 1e-11 && worst > 0.5 * least) {
                 let ratio = |(new, old): (&f64, &f64)| (new / old).ln().abs();
-                if lengths.iter().zip(&self.lengths).map(ratio).fold(0.0, f64::max) > MAX_LOG_RATIO
+                if lengths.iter().zip(&self.lengths).map(ratio).fold(0.0, f64::max) > max_log_ratio
                 {
                     return Ok(false);
                 }
@@ -156,10 +181,11 @@ struct System {
     mixed_slots: Vec<[u32; 4]>,
     values: Vec<f64>,
     factor: Option<Factor>,
+    turns: Turns,
 }
 
 impl System {
-    fn new(polygons: &Polygons) -> Result<Self, LinalgError> {
+    fn new(polygons: &Polygons, turns: Turns) -> Result<Self, LinalgError> {
         let count = polygons.starts.len() - 1;
         let mut side_polygons = vec![0; polygons.side_lengths.len()];
         let mut owners = vec![[usize::MAX; 2]; polygons.lengths.len()];
@@ -190,7 +216,8 @@ impl System {
         let values = vec![0.0; pattern.entry_count()];
         let own_slots = slots[..count].to_vec();
         let analysis = Arc::new(Analysis::new(pattern)?);
-        Ok(Self { side_polygons, owners, analysis, own_slots, mixed_slots, values, factor: None })
+        let factor = None;
+        Ok(Self { side_polygons, owners, analysis, own_slots, mixed_slots, values, factor, turns })
     }
 
     /// The changes that close the polygons to first order; none where the problem is degenerate.
@@ -220,11 +247,20 @@ impl System {
         let pull = |s: usize| sides[s].dot(&multiplier(s));
         let stretches =
             self.owners.iter().zip(lengths).map(|(&[s, t], l)| -0.5 * (pull(s) + pull(t)) / l);
-        let turns = sides
-            .iter()
-            .enumerate()
-            .map(|(s, &z)| -turned(z).dot(&multiplier(s)) / lengths[polygons.side_lengths[s]]);
-        Ok(Some(Changes { stretches: stretches.collect(), turns: turns.collect() }))
+        let torque = |s: usize| turned(sides[s]).dot(&multiplier(s));
+        let turn = |s: usize| {
+            let l = polygons.side_lengths[s];
+            match self.turns {
+                Turns::None => 0.0,
+                Turns::Free => -torque(s) / lengths[l],
+                Turns::Shared => match self.owners[l] {
+                    [first, last] if first == last => 0.0,
+                    [first, last] => -0.5 * (torque(first) + torque(last)) / lengths[l],
+                },
+            }
+        };
+        let turns = (0..sides.len()).map(turn).collect();
+        Ok(Some(Changes { stretches: stretches.collect(), turns }))
     }
 
     /// S = J N⁻¹ Jᵀ.
@@ -237,10 +273,13 @@ impl System {
             values[own_slots[p] as usize] += weight * z.x * z.y;
             values[pattern.diagonal(2 * p + 1)] += weight * z.y * z.y;
         };
-        for (s, &z) in sides.iter().enumerate() {
-            let length = lengths[polygons.side_lengths[s]];
-            add_own(self.side_polygons[s], turned(z), 1.0 / length);
+        if self.turns == Turns::Free {
+            for (s, &z) in sides.iter().enumerate() {
+                let length = lengths[polygons.side_lengths[s]];
+                add_own(self.side_polygons[s], turned(z), 1.0 / length);
+            }
         }
+        let shares_turns = self.turns == Turns::Shared;
         for (&[s, t], length) in self.owners.iter().zip(lengths) {
             let [p, q] = [s, t].map(|side| self.side_polygons[side]);
             let [z, w] = [s, t].map(|side| sides[side]);
@@ -248,18 +287,32 @@ impl System {
                 add_own(p, z, 1.0 / length);
             } else if p == q {
                 add_own(p, z + w, 0.5 / length);
+                if shares_turns {
+                    add_own(p, turned(z + w), 0.5 / length);
+                }
             } else {
                 add_own(p, z, 0.5 / length);
                 add_own(q, w, 0.5 / length);
+                if shares_turns {
+                    add_own(p, turned(z), 0.5 / length);
+                    add_own(q, turned(w), 0.5 / length);
+                }
             }
         }
         for ((&[s, t], length), slots) in self.owners.iter().zip(lengths).zip(&self.mixed_slots) {
-            if self.side_polygons[s] != self.side_polygons[t] {
-                let [z, w] = [s, t].map(|side| sides[side]);
+            if self.side_polygons[s] == self.side_polygons[t] {
+                continue;
+            }
+            let [z, w] = [s, t].map(|side| sides[side]);
+            let mut add = |z: Vector2<f64>, w: Vector2<f64>| {
                 let products = [z.x * w.x, z.x * w.y, z.y * w.x, z.y * w.y];
                 for (product, &slot) in products.iter().zip(slots) {
                     values[slot as usize] += 0.5 / length * product;
                 }
+            };
+            add(z, w);
+            if shares_turns {
+                add(turned(z), turned(w));
             }
         }
     }
@@ -295,7 +348,7 @@ mod tests {
         for noise in [0.0, 1e-9, 1e-3, 0.1] {
             let mut polygons = mirrored(60, noise);
             let before = polygons.lengths.clone();
-            assert!(polygons.close_together().unwrap());
+            assert!(polygons.close_together(Turns::Free, MAX_LOG_RATIO).unwrap());
             let sides = polygons.sides(&polygons.lengths, &polygons.directions);
             assert!(polygons.gaps(&sides).1 < 1e-13);
             for (new, old) in polygons.lengths.iter().zip(&before) {
@@ -318,7 +371,7 @@ mod tests {
             lengths: polygons.lengths.clone(),
             directions: polygons.directions.clone(),
         };
-        assert!(polygons.close_together().unwrap());
+        assert!(polygons.close_together(Turns::Free, MAX_LOG_RATIO).unwrap());
         apart.close_apart();
         for (p, q) in polygons.corners().iter().zip(apart.corners()) {
             // They differ by the square of the noise.
@@ -334,11 +387,78 @@ mod tests {
             *direction = 0.01 * PI * i as f64 / 60.0;
         }
         let (lengths, directions) = (polygons.lengths.clone(), polygons.directions.clone());
-        assert!(!polygons.close_together().unwrap());
+        assert!(!polygons.close_together(Turns::Free, MAX_LOG_RATIO).unwrap());
         assert_eq!((&polygons.lengths, &polygons.directions), (&lengths, &directions));
         polygons.close_apart();
         let sides = polygons.sides(&polygons.lengths, &polygons.directions);
         assert!(polygons.gaps(&sides).1 < 1e-12);
         assert!(polygons.lengths.iter().all(|&l| l > 0.0));
+    }
+
+    /// A polygon whose sides s and n − 1 − s are partners, turned against each other by different angles, with four sides of its own.
+    fn folded(n: usize, miss: f64) -> Polygons {
+        let side = |s: usize| if s < n { s } else { 2 * n - 1 - s };
+        let mut directions: Vec<f64> = (0..2 * n)
+            .map(|s| {
+                let x = side(s) as f64 / n as f64;
+                let along = 0.7 * (5.0 * x).sin();
+                if s < n { along } else { PI + along + 1.2 + 1.5 * x }
+            })
+            .collect();
+        directions.extend([4.0, 4.7, 5.2, 6.0].map(|angle: f64| angle + miss));
+        Polygons {
+            starts: vec![0, 2 * n + 4],
+            side_lengths: (0..2 * n).map(side).chain(n..n + 4).collect(),
+            lengths: (0..n).map(|i| 1.0 / n as f64 * (1.0 + 0.3 * (i as f64).cos())).chain([0.4; 4]).collect(),
+            directions,
+        }
+    }
+
+    #[test]
+    fn lengths_alone_close_a_folded_rim_and_are_nearest_by_relative_entropy() {
+        let mut polygons = folded(30, 0.0);
+        let before = polygons.lengths.clone();
+        let directions = polygons.directions.clone();
+        assert!(polygons.close_together(Turns::None, 3.0).unwrap());
+        assert_eq!(polygons.directions, directions);
+        let sides = polygons.sides(&polygons.lengths, &polygons.directions);
+        assert!(polygons.gaps(&sides).1 < 1e-13);
+        // Stationary: each log ratio, times the number of its sides, is one linear function of the sum of its directions.
+        let rows: Vec<(Vector2<f64>, f64)> = (0..polygons.lengths.len())
+            .map(|l| {
+                let sides: Vec<usize> =
+                    (0..directions.len()).filter(|&s| polygons.side_lengths[s] == l).collect();
+                let sum = sides.iter().map(|&s| direction(directions[s])).sum();
+                (sum, (polygons.lengths[l] / before[l]).ln() * sides.len() as f64)
+            })
+            .collect();
+        let normal: nalgebra::Matrix2<f64> = rows.iter().map(|(t, _)| t * t.transpose()).sum();
+        let multiplier =
+            normal.try_inverse().unwrap() * rows.iter().map(|(t, r)| t * *r).sum::<Vector2<f64>>();
+        for (t, ratio) in rows {
+            assert!((t.dot(&multiplier) - ratio).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn partners_that_turn_together_keep_the_angles_between_them() {
+        // Mirror images: dependent for lengths alone.
+        let mut polygons = mirrored(60, 1e-3);
+        let before = polygons.directions.clone();
+        assert!(polygons.close_together(Turns::Shared, MAX_LOG_RATIO).unwrap());
+        let sides = polygons.sides(&polygons.lengths, &polygons.directions);
+        assert!(polygons.gaps(&sides).1 < 1e-13);
+        let turn = |s: usize| polygons.directions[s] - before[s];
+        let mut most = 0.0f64;
+        for s in 0..60 {
+            assert!((turn(s) - turn(119 - s)).abs() < 1e-15);
+            most = most.max(turn(s).abs());
+        }
+        assert!(most > 1e-5, "they had to turn");
+        // Sides without partner keep their directions.
+        let mut polygons = folded(30, 0.2);
+        let before = polygons.directions.clone();
+        assert!(polygons.close_together(Turns::Shared, 3.0).unwrap());
+        assert_eq!(polygons.directions[60..], before[60..]);
     }
 }

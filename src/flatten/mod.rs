@@ -1,7 +1,8 @@
 //! From patches to charts: flat pieces, how far they are from isometric, and where they lie on a sheet.
 //!
 //! A patch is a surface with boundary in space, a *chart* its image in the plane. [`bff`] flattens every patch of an opened
-//! mesh at once with as little stretching of the rims as conformality allows; [`measures`] says what the result is worth;
+//! mesh at once with as little stretching of the rims as conformality allows, [`bff_scaled`] with given scale factors there, so that
+//! cones on seams get exact angles; [`measures`] says what the result is worth;
 //! [`overlap`] finds where outlines cross; [`pack`] lays the charts side by side; [`fold`] sews them together again in space.
 //!
 //! Guaranteed: seam partners are equally long in both charts ([`Flattening::seams_equal`]); charts are counter-clockwise.
@@ -20,7 +21,7 @@ use nalgebra::{Point2, Vector2};
 
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
 
-pub use bff::{bff, bff_with};
+pub use bff::{bff, bff_scaled, bff_with};
 pub use fold::{FoldFlow, FoldParams};
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
@@ -51,10 +52,13 @@ pub struct Flattening {
     pub charts: Vec<Result<Vec<HalfedgeId>, NoChart>>,
     /// Place of every vertex in its chart; NaN without chart.
     pub uv: Vec<Point2<f64>>,
-    /// Log of the length ratio chart : surface that the method aimed at, 0 on rims; NaN without chart.
+    /// Log of the length ratio chart : surface that the method aimed at, as given on rims (0 if nothing was); NaN without chart.
     pub u: Vec<f64>,
     /// Whether seam partners are equally long. False where the charts could only be closed each for itself.
     pub seams_equal: bool,
+    /// Whether the angles about points on seams are those of u (see [`bff_scaled`]). Never with isometric rims ([`bff`]), where
+    /// curvature is left all along the seams.
+    pub angles_exact: bool,
 }
 
 impl Flattening {

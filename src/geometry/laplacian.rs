@@ -15,6 +15,8 @@ pub struct Laplacian {
     pub edge_slots: Vec<u32>,
     /// The entries.
     pub values: Vec<f64>,
+    /// The ends of every edge.
+    pub edge_ends: Vec<[u32; 2]>,
 }
 
 impl Laplacian {
@@ -34,6 +36,6 @@ impl Laplacian {
                 values[pattern.diagonal(vertices[(i + 1) % 3].index())] += weight;
             }
         }
-        Self { pattern, edge_slots, values }
+        Self { pattern, edge_slots, values, edge_ends: pairs }
     }
 }

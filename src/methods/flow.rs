@@ -1,5 +1,6 @@
 //! Work that advances one bounded step at a time.
 
+use super::cones::ConeError;
 use crate::linalg::LinalgError;
 use crate::mesh::{MeshError, VertexId};
 
@@ -100,6 +101,9 @@ pub enum SolveError {
     /// A surface that is heated nowhere has no temperature to even out.
     #[error("the heat source is 0 everywhere")]
     NoSource,
+    /// Something about cones.
+    #[error(transparent)]
+    Cones(#[from] ConeError),
     /// The iteration left the range of numbers.
     #[error("the energy is not finite")]
     NotFinite,

@@ -2,6 +2,7 @@
 //!
 //! All of them answer one question, where to cut, and hand on a labelled or cut surface; none of them needs a layout.
 
+pub mod cones;
 pub mod cutflow;
 pub mod cutgraph;
 pub mod flow;

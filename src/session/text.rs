@@ -184,6 +184,11 @@ impl Problem {
                 format!("{name}, along the cut."),
                 "Undo the last step and choose another initial cut.",
             ),
+            SolveError::Cones(error) => Self::new(
+                format!("The cones cannot be as asked for: {error}."),
+                format!("{name}, cones."),
+                "Change the prescribed cones, the excluded region or the bounds.",
+            ),
             SolveError::NotFinite => Self::new(
                 "The energy of the cut is not a finite number.",
                 format!("{name}."),

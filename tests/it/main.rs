@@ -9,6 +9,7 @@
 )]
 
 mod cone_sessions;
+mod cones;
 mod cutgraphs;
 mod cutting;
 mod doctoring;
@@ -27,6 +28,7 @@ mod reading_off;
 mod reading_ply;
 mod reading_solids;
 mod scripts;
+mod seams;
 mod solving;
 mod starts;
 mod straightening;

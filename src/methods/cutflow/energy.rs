@@ -60,7 +60,7 @@ impl Problem {
     pub fn new(mesh: Mesh, geometry: Geometry) -> Result<Self, LinalgError> {
         let laplacian = Laplacian::new(&mesh, &geometry);
         let is_boundary: Vec<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
-        let Laplacian { pattern, edge_slots, values: mut base_values } = laplacian;
+        let Laplacian { pattern, edge_slots, values: mut base_values, .. } = laplacian;
         for e in mesh.edges() {
             if mesh.edge_vertices(e).iter().any(|v| is_boundary[v.index()]) {
                 base_values[edge_slots[e.index()] as usize] = 0.0;
