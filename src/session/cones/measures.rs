@@ -58,9 +58,10 @@ pub fn of_optimum(
         });
     }
     let mut set = evaluated(flow, used)?;
+    let areas = surface.geometry.vertex_dual_areas(&surface.mesh);
     let norm = |u: &dyn Fn(usize) -> f64| {
         let squares = |(v, area): (usize, &f64)| area * u(v) * u(v);
-        flow.areas().iter().enumerate().map(squares).sum::<f64>().sqrt()
+        areas.iter().enumerate().map(squares).sum::<f64>().sqrt()
     };
     let difference = norm(&|v| set.u[v] - best_u[v]);
     set.change = Some(difference / norm(&|v| best_u[v]).max(f64::MIN_POSITIVE));

@@ -18,7 +18,7 @@ use super::inputs::Layers;
 use super::params::Settings;
 use super::surface::Surface;
 use super::text::Problem;
-use crate::methods::cones::{Cone, ConeFields, ConeFlow, ConeParams, PathPoint};
+use crate::methods::cones::{Cone, ConeFields, ConeFlow, ConeParams, ConeTarget, PathPoint};
 use crate::methods::flow::{Flow, Status};
 
 pub use edits::Edits;
@@ -55,6 +55,8 @@ struct Solver {
     flow: ConeFlow,
     params: ConeParams,
     fields: ConeFields,
+    /// What it was asked to reach.
+    target: ConeTarget,
 }
 
 /// Cones as they are used, and their flattening's scale factors.
@@ -158,18 +160,20 @@ impl Cones {
         });
         if !is_same {
             let (mesh, geometry) = surface.solving();
-            let flow = ConeFlow::new(mesh, geometry, params, &fields).map_err(wrong)?;
+            let flow = ConeFlow::new(mesh, geometry, &params, &fields).map_err(wrong)?;
             self.path.clear();
             self.tracing = None;
-            self.solver = Some(Solver { flow, params, fields });
+            let target = ConeTarget::Lambda(params.lambda);
+            self.solver = Some(Solver { flow, params, fields, target });
             self.rounds = 0;
         }
         let solver = self.solver.as_mut().ok_or_else(super::nothing_open)?;
-        if !is_same || solver.params.lambda != params.lambda {
+        let target = problem::target(settings);
+        if solver.target != target {
+            solver.flow.aim(target).map_err(wrong)?;
+            solver.target = target;
             self.rounds = 0;
         }
-        solver.params = params;
-        solver.flow.aim(problem::target(settings)).map_err(wrong)?;
         Ok(&mut solver.flow)
     }
 

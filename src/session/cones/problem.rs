@@ -16,9 +16,6 @@ use crate::methods::cones::{
     ConeBoundary, ConeFields, ConeMethod, ConeParams, ConeTarget, feature_size_weights,
 };
 
-/// Distortion counts this much at least: where it did not count at all the optimum would not be unique.
-const LEAST_IMPORTANCE: f64 = 1e-6;
-
 /// The options of the solver.
 pub fn params(settings: &Settings) -> ConeParams {
     let bounds = match settings.text("bounds") {
@@ -70,20 +67,19 @@ pub fn fields(
 ) -> ConeFields {
     let count = surface.mesh.vertex_count();
     let paint = |layer: &[f64], v: usize| layer.get(v).copied().unwrap_or(0.0);
-    let mut distortion_weight = Vec::new();
+    let (mut distortion_weight, mut cone_cost) = (Vec::new(), Vec::new());
+    let strength = settings.number("feature_weight");
+    if strength > 0.0 {
+        let (mesh, geometry) = surface.solving();
+        (distortion_weight, cone_cost) = feature_size_weights(mesh, geometry, strength);
+    }
     if !(layers.importance.is_empty() && layers.unimportant.is_empty()) {
         let most = settings.number("importance");
-        let at = |v| {
-            let weight = 1.0 + (most - 1.0) * paint(&layers.importance, v);
-            (weight * (1.0 - paint(&layers.unimportant, v))).max(LEAST_IMPORTANCE)
-        };
-        distortion_weight = (0..count).map(at).collect();
-    }
-    let mut cone_cost = Vec::new();
-    let power = settings.number("feature_weight");
-    if power > 0.0 {
-        let (mesh, geometry) = surface.solving();
-        cone_cost = feature_size_weights(mesh, geometry, power);
+        distortion_weight.resize(count, 1.0);
+        for (v, weight) in distortion_weight.iter_mut().enumerate() {
+            *weight *= 1.0 + (most - 1.0) * paint(&layers.importance, v);
+            *weight *= 1.0 - paint(&layers.unimportant, v);
+        }
     }
     if !layers.cone_cost.is_empty() {
         let most = settings.number("dear_cones");

@@ -59,8 +59,8 @@ fn angles() -> Vec<ParamSpec> {
         number("dear_cones", "Cost of painted places", "w_R", "", [1.0, 1000.0, 0.1], 20.0,
             "How many times dearer cones are where their cost is painted, or where they would be seen.")
             .group(angles).logarithmic(),
-        number("feature_weight", "Feature weight", "", "", [0.0, 2.0, 0.05], 0.0,
-            "Makes cones cheaper where the surface is finely shaped: their price is multiplied by the feature size to this power.")
+        number("feature_weight", "Feature weight", "", "", [0.0, 1.0, 0.05], 0.0,
+            "Makes distortion count more, and cones cheaper, where the surface is finely shaped. 1 is the paper's choice, 0 leaves it out.")
             .group(angles),
     ]
 }
