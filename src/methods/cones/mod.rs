@@ -18,11 +18,14 @@
 
 mod aim;
 mod certificate;
+mod coarse;
 mod error;
 mod extent;
 mod flow;
 mod greens;
+mod newton;
 mod params;
+mod path;
 mod problem;
 mod system;
 mod two_ring;
@@ -34,4 +37,5 @@ pub use params::{
     Cone, ConeBoundary, ConeEvaluation, ConeFields, ConeMethod, ConeParams, ConeState, ConeTarget,
     LEAST_WEIGHT,
 };
+pub use path::{ConePath, PathPoint};
 pub use weights::feature_size_weights;
