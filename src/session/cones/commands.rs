@@ -8,12 +8,11 @@ use super::super::paint::Dab;
 use super::super::text::{Problem, plural};
 use super::super::work::{Pending, Work};
 use super::super::{Session, nothing_open};
-use super::edits::{Edits, Placed, no_such_cone};
+use super::edits::{Edits, Placed, edit_problem, no_such_cone};
 use super::table::{ConeRow, ConeTable};
 use super::{ConeKind, ConeSet, UsedCone, measures, place_of, problem};
 use crate::mesh::VertexId;
-use crate::methods::cones::{Cone, debias};
-mod edit { use super::*; pub struct Editor; pub struct EditError; impl Editor { pub fn add(&mut self,c:Cone)->Result<(),EditError>{loop{}} pub fn move_to(&mut self,c:usize,v:VertexId)->Result<(),EditError>{loop{}} pub fn set_angle(&mut self,c:usize,a:f64)->Result<(),EditError>{loop{}} pub fn remove(&mut self,c:usize)->Result<(),EditError>{loop{}} } }
+use crate::methods::cones::{Cone, ConeEdit, PlacedCone, debias, edit_cones};
 use crate::methods::flow::{Flow, Status};
 
 /// ∫u² may change by this fraction before merging is worth a word.
@@ -98,7 +97,7 @@ impl Session {
     pub(in super::super) fn cones_pause(&mut self) {
         if let Some(work) = &mut self.work {
             work.cones.is_due = false;
-            work.cones.tracing = None;
+            work.cones.abandon_path();
         }
     }
 
@@ -249,8 +248,7 @@ impl Session {
                 },
                 Some(changed) => {
                     let kind = if angle.is_some() { ConeKind::Fixed } else { ConeKind::Free };
-                    let cone = Cone { vertex, angle: angle.unwrap_or(0.0) };
-                    *changed = work.edited(changed, kind, |rest| rest.add(cone))?;
+                    *changed = work.edited(changed, vertex, kind, ConeEdit::Add { vertex, angle })?;
                     if angle.is_none() {
                         work.refit(changed)?;
                     }
@@ -277,8 +275,12 @@ impl Session {
                 return Ok(edits);
             }
             let now = work.used_cones();
-            edits.changed =
-                Some(work.edited(&now, ConeKind::Fixed, |rest| rest.move_to(cone, vertex))?);
+            let kind = match now[cone].kind {
+                ConeKind::Optimal | ConeKind::Merged => ConeKind::Moved,
+                kind => kind,
+            };
+            let edit = ConeEdit::Move { from, to: vertex };
+            edits.changed = Some(work.edited(&now, vertex, kind, edit)?);
             Ok(edits)
         };
         self.change_cones("move a cone", shift, events)
@@ -300,8 +302,8 @@ impl Session {
             let mut now = work.used_cones();
             match angle {
                 Some(angle) => {
-                    let set = |rest: &mut edit::Editor| rest.set_angle(cone, angle);
-                    now = work.edited(&now, ConeKind::Fixed, set)?;
+                    let edit = ConeEdit::SetAngle { vertex, angle };
+                    now = work.edited(&now, vertex, ConeKind::Fixed, edit)?;
                 }
                 None => {
                     now[cone].kind = ConeKind::Free;
@@ -327,8 +329,8 @@ impl Session {
                 return Ok(edits);
             }
             let now = work.used_cones();
-            edits.changed =
-                Some(work.edited(&now, ConeKind::Fixed, |rest| rest.remove(cone))?);
+            let edit = ConeEdit::Remove { vertex };
+            edits.changed = Some(work.edited(&now, vertex, ConeKind::Fixed, edit)?);
             Ok(edits)
         };
         self.change_cones("remove a cone", remove, events)
@@ -466,6 +468,7 @@ impl Work {
                 ConeKind::Optimal => "optimal",
                 ConeKind::Merged => "merged",
                 ConeKind::Free => "free",
+                ConeKind::Moved => "moved",
                 ConeKind::Fixed => "fixed",
             },
             members: used.members,
@@ -517,10 +520,8 @@ impl Work {
         let mut rows = vec![measures::row("Optimal cones".into(), set)];
         let count = set.cones.len();
         let mut layouts = vec![Layout::of_cones(surface, set, &cost, None).map_err(wrong)?];
-        if count > 0
-            && let Some(flow) = self.cones.flow_mut()
-        {
-            let greedy = measures::greedy(flow, count).map_err(wrong)?;
+        if count > 0 {
+            let greedy = measures::greedy(surface, count).map_err(wrong)?;
             rows.push(measures::row("Greedy, as many cones".into(), &greedy));
             layouts.push(Layout::of_cones(surface, &greedy, &cost, None).map_err(wrong)?);
         }
@@ -533,23 +534,42 @@ impl Work {
         Ok(())
     }
 
-    /// Other cones after one of them was changed by hand; the others make up for it.
+    /// All cones after one was changed by hand; those that were not fixed make up for it.
+    ///
+    /// **Takes** the vertex of the changed cone, and how it came about from then on.
     fn edited(
-        &mut self,
+        &self,
         now: &[UsedCone],
+        vertex: VertexId,
         kind: ConeKind,
-        change: impl FnOnce(&mut edit::Editor) -> Result<(), edit::EditError>,
+        edit: ConeEdit,
     ) -> Result<Vec<UsedCone>, Problem> {
-        let _ = (now, kind);
-        loop {}
+        let surface = self.document.surface()?;
+        let placed = |used: &UsedCone| PlacedCone {
+            cone: used.cone,
+            is_fixed: used.kind == ConeKind::Fixed,
+        };
+        let before: Vec<PlacedCone> = now.iter().map(placed).collect();
+        let after = edit_cones(&surface.mesh, &before, edit)
+            .map_err(|error| edit_problem(surface, &error))?;
+        let used = |placed: PlacedCone| {
+            let old = now.iter().find(|used| used.cone.vertex == placed.cone.vertex);
+            match old.filter(|_| placed.cone.vertex != vertex) {
+                Some(old) => UsedCone { cone: placed.cone, ..old.clone() },
+                None => UsedCone { cone: placed.cone, kind, members: 1 },
+            }
+        };
+        Ok(after.into_iter().map(used).collect())
     }
 
     /// Gives cones that were not fixed by hand the angles that distort least.
-    fn refit(&mut self, now: &mut Vec<UsedCone>) -> Result<(), Problem> {
+    fn refit(&mut self, now: &mut [UsedCone]) -> Result<(), Problem> {
         let name = self.document.name.clone();
         let Some(flow) = self.cones.flow_mut() else { return Err(nothing_open()) };
         let cones: Vec<Cone> = now.iter().map(|used| used.cone).collect();
-        let fitted = debias(flow, &cones).map_err(|error| Problem::solve(&name, &error))?;
+        let is_held = |used: &&UsedCone| used.kind == ConeKind::Fixed;
+        let held: Vec<VertexId> = now.iter().filter(is_held).map(|used| used.cone.vertex).collect();
+        let fitted = debias(flow, &cones, &held).map_err(|error| Problem::solve(&name, &error))?;
         now.iter_mut().zip(fitted).for_each(|(used, cone)| used.cone = cone);
         Ok(())
     }

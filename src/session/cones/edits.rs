@@ -1,8 +1,12 @@
 //! What a person does to cones by hand.
 
+use std::f64::consts::PI;
+
+use super::super::surface::Surface;
 use super::super::text::Problem;
 use super::{ConeKind, UsedCone};
 use crate::mesh::VertexId;
+use crate::methods::cones::EditError;
 
 /// Cones by hand: those that the optimum has to reckon with, and changes of its result.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,6 +45,49 @@ impl Edits {
             None if members > 1 => ConeKind::Merged,
             None => ConeKind::Optimal,
         }
+    }
+}
+
+/// Why a change by hand cannot be made, with the numbers of the file.
+pub fn edit_problem(surface: &Surface, error: &EditError) -> Problem {
+    let name = |v: VertexId| surface.soup_vertices.get(v.index()).copied().unwrap_or(v.0);
+    let in_pi = |x: f64| format!("{:.4} π", x / PI);
+    let place = |v: VertexId| format!("{}, vertex {} (counted from 0).", surface.name, name(v));
+    match *error {
+        EditError::NoSuchVertex { vertex, vertices } => Problem::new(
+            format!("There is no vertex {}: the surface has {vertices}.", vertex.0),
+            format!("{}, cones by hand.", surface.name),
+            "Point at the surface.",
+        ),
+        EditError::NoCone { vertex } => Problem::new(
+            "There is no cone there.",
+            place(vertex),
+            "Choose one of the cones in the table.",
+        ),
+        EditError::Occupied { vertex } => Problem::new(
+            "There is a cone there already.",
+            place(vertex),
+            "Change that one, or choose another place.",
+        ),
+        EditError::OutOfRange { vertex, angle, least, most } => Problem::new(
+            format!("A cone would have the angle {}: nothing could be flat around it.", in_pi(angle)),
+            place(vertex),
+            format!(
+                "Its angle has to lie between {} and {}; choose a smaller change, or set other cones free.",
+                in_pi(least),
+                in_pi(most)
+            ),
+        ),
+        EditError::AllFixed { vertex, total, needed } => Problem::new(
+            format!(
+                "The angles would add up to {}, and on this surface they have to add up to {} (Gauss–Bonnet); \
+                 no cone is free to make up for it.",
+                in_pi(total),
+                in_pi(needed)
+            ),
+            format!("{}, the part of vertex {}.", surface.name, name(vertex)),
+            "Set another cone free, or add one.",
+        ),
     }
 }
 

@@ -5,9 +5,8 @@ use super::super::surface::Surface;
 use super::edits::Edits;
 use super::table::ConeComparisonRow;
 use super::{ConeKind, ConeSet, UsedCone};
-use crate::methods::cones::{
-    Cone, ConeFlow, RoundingParams, debias, greedy_cones, round_clusters,
-};
+use crate::mesh::VertexId;
+use crate::methods::cones::{Cone, ConeFlow, RoundParams, debias, greedy_cones, round_clusters};
 use crate::methods::flow::{Flow, SolveError};
 
 /// Cones of the optimum, merged and refitted as the parameters say.
@@ -31,8 +30,8 @@ pub fn of_optimum(
         let (by_hand, others): (Vec<UsedCone>, Vec<UsedCone>) =
             used.into_iter().partition(|used| edits.placed_at(used.cone.vertex).is_some());
         let others: Vec<Cone> = others.into_iter().map(|used| used.cone).collect();
-        let rounded =
-            round_clusters(&surface.mesh, &surface.geometry, &others, &RoundingParams::default());
+        let params = RoundParams { bounds: flow.params().bounds, ..RoundParams::default() };
+        let rounded = round_clusters(&surface.mesh, &surface.geometry, &others, &params);
         is_optimum = rounded.cones.len() == others.len();
         used = by_hand;
         for (cone, cluster) in rounded.cones.iter().zip(&rounded.clusters) {
@@ -42,7 +41,10 @@ pub fn of_optimum(
     }
     if settings.is_on("debias") {
         let cones: Vec<Cone> = used.iter().map(|used| used.cone).collect();
-        let fitted = debias(flow, &cones)?;
+        let is_held = |used: &&UsedCone| used.kind == ConeKind::Fixed;
+        let held: Vec<VertexId> = used.iter().filter(is_held).map(|used| used.cone.vertex).collect();
+        used.sort_by_key(|used| used.cone.vertex);
+        let fitted = debias(flow, &cones, &held)?;
         used.iter_mut().zip(fitted).for_each(|(used, cone)| used.cone = cone);
         is_optimum = false;
     }
@@ -82,10 +84,18 @@ pub fn evaluated(flow: &mut ConeFlow, used: Vec<UsedCone>) -> Result<ConeSet, So
 }
 
 /// As many cones by the greedy strategy of older work.
-pub fn greedy(flow: &mut ConeFlow, count: usize) -> Result<ConeSet, SolveError> {
-    let used = |cone| UsedCone { cone, kind: ConeKind::Optimal, members: 1 };
-    let cones = greedy_cones(flow, count)?;
-    evaluated(flow, cones.into_iter().map(used).collect())
+pub fn greedy(surface: &Surface, count: usize) -> Result<ConeSet, SolveError> {
+    let (mesh, geometry) = surface.solving();
+    let found = greedy_cones(mesh, geometry, count)?;
+    let used = |&cone: &Cone| UsedCone { cone, kind: ConeKind::Optimal, members: 1 };
+    let last = found.history.last();
+    Ok(ConeSet {
+        cones: found.cones.iter().map(used).collect(),
+        int_u2: last.map_or(0.0, |step| step.int_u2),
+        total_angle: last.map_or(0.0, |step| step.total_angle),
+        u: found.u,
+        change: None,
+    })
 }
 
 /// A row of the comparison; charts are measured elsewhere.

@@ -94,7 +94,9 @@ pub enum ConeKind {
     Merged,
     /// Put there by hand, with the angle that is best.
     Free,
-    /// Put there or changed by hand.
+    /// Moved by hand, with the angle that it had.
+    Moved,
+    /// Given its angle by hand.
     Fixed,
 }
 
@@ -154,6 +156,7 @@ impl Cones {
         let fields = problem::fields(settings, layers, &self.edits, surface);
         let wrong = |error| Problem::solve(&document.name, &error);
         // λ is followed by the solver; everything else is another problem.
+        self.abandon_path();
         let is_same = self.solver.as_ref().is_some_and(|solver| {
             solver.fields == fields
                 && ConeParams { lambda: params.lambda, ..solver.params } == params

@@ -2,7 +2,7 @@
 
 use super::super::message::Event;
 use super::table::ConePathPoint;
-use super::{Cones, Solver};
+use super::Cones;
 use crate::methods::cones::{ConePath, PathPoint};
 use crate::methods::flow::SolveError;
 
@@ -18,8 +18,15 @@ pub struct Tracing {
 impl Cones {
     /// Begins to sample the path.
     pub fn begin_path(&mut self) {
-        if let Some(Solver { flow, .. }) = &self.solver {
-            self.tracing = Some(Tracing { path: ConePath::new(flow, LOWEST, SAMPLES) });
+        // Both numbers are within their ranges.
+        self.tracing = ConePath::new(SAMPLES, LOWEST).ok().map(|path| Tracing { path });
+        self.path.clear();
+    }
+
+    /// Ends a sampling that goes on; the solver is where it was.
+    pub fn abandon_path(&mut self) {
+        if let (Some(mut tracing), Some(solver)) = (self.tracing.take(), &mut self.solver) {
+            tracing.path.abandon(&mut solver.flow);
         }
     }
 
@@ -30,7 +37,7 @@ impl Cones {
             return Ok(true);
         };
         let before = tracing.path.points().len();
-        let goes_on = tracing.path.advance(&mut solver.flow)?;
+        let goes_on = !tracing.path.step(&mut solver.flow)?;
         let points = tracing.path.points();
         let is_news = points.len() != before || !goes_on;
         if is_news {

@@ -24,6 +24,9 @@ pub struct ConesReport {
     pub lambda_max: f64,
     /// The optimum.
     pub cones: Vec<ConeReport>,
+    /// Corners of the flattened boundary, where its curvature is part of the problem.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub corners: Vec<ConeReport>,
     /// Σ|angle| / π of the optimum.
     pub total_angle_over_pi: f64,
     /// ∫u² of the optimum.
@@ -110,6 +113,7 @@ impl Work {
             lambda: state.lambda,
             lambda_max: flow.lambda_max(),
             cones: state.cones.iter().map(report).collect(),
+            corners: state.corners.iter().map(report).collect(),
             total_angle_over_pi: state.total_angle / PI,
             int_u2: state.int_u2,
             kkt_residual: state.residual,

@@ -40,7 +40,7 @@ pub struct ConeRow {
     pub place: [f64; 3],
     /// Curvature that is gathered there, radians.
     pub angle: f64,
-    /// `optimal`, `merged` (of several vertices), `free` or `fixed` (by hand).
+    /// `optimal`, `merged` (of several vertices), or by hand `free`, `moved` or `fixed`.
     pub kind: &'static str,
     /// Vertices of the optimum that it stands for.
     pub members: usize,
