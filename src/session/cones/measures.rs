@@ -17,6 +17,16 @@ pub fn of_optimum(
     surface: &Surface,
 ) -> Result<ConeSet, SolveError> {
     let state = flow.state();
+    if state.is_convex {
+        // A cone at every vertex says nothing: cones are left to those who want some.
+        return Ok(ConeSet {
+            cones: Vec::new(),
+            u: vec![0.0; state.u.len()],
+            int_u2: state.int_u2,
+            total_angle: state.total_angle,
+            change: None,
+        });
+    }
     let (optimum, best_u) = (state.cones.clone(), state.u.clone());
     let alone = |cone: &Cone| UsedCone {
         cone: *cone,
