@@ -18,20 +18,28 @@
 
 mod aim;
 mod certificate;
+mod debias;
+mod edit;
 mod error;
 mod extent;
 mod flow;
+mod greedy;
 mod greens;
 mod params;
 mod problem;
+mod rounding;
 mod system;
 mod two_ring;
 mod weights;
 
+pub use debias::debias;
+pub use edit::{ConeEdit, EditError, PlacedCone, edit_cones};
 pub use error::{ConeConflict, ConeError};
 pub use flow::{ConeCheckpoint, ConeFlow};
+pub use greedy::{GreedyCones, GreedyStep, greedy_cones};
 pub use params::{
     Cone, ConeBoundary, ConeEvaluation, ConeFields, ConeMethod, ConeParams, ConeState, ConeTarget,
     LEAST_WEIGHT,
 };
+pub use rounding::{RoundParams, Rounded, round_clusters};
 pub use weights::feature_size_weights;
