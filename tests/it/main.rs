@@ -27,6 +27,7 @@ mod reading_obj;
 mod reading_off;
 mod reading_ply;
 mod reading_solids;
+mod rounding;
 mod scripts;
 mod seams;
 mod solving;

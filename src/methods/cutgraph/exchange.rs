@@ -17,15 +17,18 @@ use std::collections::BinaryHeap;
 use super::surgeon::{Patch, Surgeon};
 use crate::mesh::{EdgeId, HalfedgeId, VertexId};
 
-/// How many rounds of exchanges there are at most. On spot, face and rocker arm with 20 to 150 cones the second round gains a tenth of
-/// the first and the fourth less than .1 %.
+/// How many rounds of exchanges there are at most. With 40 to 1 200 cones (spot, face, rocker arm, igea) the second round gains .1 to 1 %,
+/// the third less than .1 %, and the fourth or fifth nothing.
 const EXCHANGES: usize = 6;
 
-/// How many stretches on cycles are tried in each round, the longest first. Each costs a look at the whole patch.
+/// How many stretches on cycles are tried in a round, the longest first. Each costs a look at the whole patch.
 const CYCLE_TRIALS: usize = 24;
 
+/// In how many rounds.
+const CYCLE_ROUNDS: usize = 2;
+
 /// How far along the network from where a stretch began another one may begin, in lengths of the stretch. Without a limit 1 200 cones
-/// on 134 000 vertices take ten times as long, for seams MEASURE shorter.
+/// on 134 000 vertices take eight times as long, for seams .05 % shorter.
 const REACH: f64 = 3.0;
 
 /// Mark of vertices in the part that is to be joined where no path may begin.
@@ -152,7 +155,7 @@ impl Surgeon<'_> {
             parts: vec![0; vertices],
             marked: Vec::new(),
         };
-        for _ in 0..EXCHANGES {
+        for round in 0..EXCHANGES {
             let mut has_gained = false;
             let cuts = exchange.surgeon.cuts(patch);
             let mut on_cycles = Vec::new();
@@ -165,7 +168,8 @@ impl Surgeon<'_> {
             }
             let mut cuts = exchange.surgeon.cuts(patch);
             let mut length = exchange.surgeon.total_length(&cuts);
-            for stretch in on_cycles.iter().take(CYCLE_TRIALS) {
+            let trials = if round < CYCLE_ROUNDS { CYCLE_TRIALS } else { 0 };
+            for stretch in on_cycles.iter().take(trials) {
                 has_gained |=
                     exchange.surgeon.replace_stretch(patch, stretch, &mut cuts, &mut length);
             }
@@ -176,7 +180,6 @@ impl Surgeon<'_> {
             for v in ends {
                 has_gained |= exchange.relocate(v, is_tree);
             }
-            if std::env::var("SEAMS").is_ok() { eprintln!("{}", { let c=exchange.surgeon.cuts(patch); exchange.surgeon.total_length(&c)}); }
             if !has_gained {
                 break;
             }
