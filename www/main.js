@@ -390,7 +390,8 @@ function toMethod(id) {
     byId(pane).hidden = !isShown;
   }
   const { hide, sheet: names } = words();
-  [byId("hide-seams").ariaLabel, byId("hide-seams").title] = hide;
+  byId("hide-seams").setAttribute("aria-label", hide[0]);
+  byId("hide-seams").title = hide[1];
   sheet.name(names);
   cones.show(isCones);
   learn.setMethod(id, words().learn);

@@ -15,7 +15,7 @@ struct Corner {
     @location(0) place: vec2f,
     @location(1) @interpolate(flat) radius: f32,
     @location(2) @interpolate(flat) colour: vec4f,
-    // 1 pointed at, 1 chosen.
+    // 1 pointed at; 1 chosen.
     @location(3) @interpolate(flat) marks: vec2f,
 }
 
@@ -45,8 +45,9 @@ fn cone_vertex(
     }
     let reach = (radius + ROOM) * frame.viewport.z;
     let side = vec2f(f32(index & 1u), f32(index >> 1u)) * 2.0 - 1.0;
-    // Away from perspective: the disc has one depth.
-    corner.clip = vec4f(clip.xy / clip.w + side * reach / (0.5 * frame.viewport.xy), clip.z / clip.w, 1.0);
+    // The disc has one depth; one that is known to be seen lies before everything.
+    let depth = select(clip.z / clip.w, 0.0, marks.z > 0.5);
+    corner.clip = vec4f(clip.xy / clip.w + side * reach / (0.5 * frame.viewport.xy), depth, 1.0);
     corner.place = side * reach;
     corner.radius = radius * frame.viewport.z;
     corner.colour = vec4f(colour.rgb, seen);

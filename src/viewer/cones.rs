@@ -20,8 +20,14 @@ const RADIUS: f32 = 7.0;
 const RADII: [f32; 2] = [2.4, 10.5];
 /// Widths of the light ring around the coloured disc and of the dark one around that, in CSS pixels.
 pub const RINGS: [f32; 2] = [1.5, 0.8];
-/// How far a glyph is lifted towards the eye, in radii: as much as the surface rises within it on a slope of 70°.
+/// Glyphs beyond these are left to the depth test of the graphics device, which may cut a disc in two at the edge of
+/// the surface; these are looked at one by one, which costs about 5 µs each.
+pub const LOOKED_AT: usize = 256;
+/// How far a glyph is lifted towards the eye, in radii, where the device decides: as much as the surface rises within
+/// it on a slope of 70°.
 pub const LIFT: f32 = 3.0;
+/// The same where the surface is met by a ray: as far as a vertex may lie within its own dent.
+const DENT: f32 = 1.0;
 /// Cosine between normal and eye below which the surface turns the glyph away. Below zero, since the normal at a
 /// sharp tip stands for all sides of it.
 pub const TURNED: f32 = -0.25;
@@ -74,6 +80,8 @@ pub struct Glyph {
     pub place: Vec3,
     /// The normal there; zero where the glyph is seen from everywhere.
     pub normal: Vec3,
+    /// Whether it is known to be seen, so that nothing hides a part of it.
+    pub is_seen: bool,
 }
 
 /// How many cones a scene has.
@@ -88,6 +96,9 @@ pub fn angle(scene: &Scene, cone: u32) -> f32 {
 
 /// The glyphs on the surface, one for each cone, in their order.
 pub fn on_surface(scene: &Scene, drag: Option<Drag>) -> Vec<Glyph> {
+    if count(scene) == 0 {
+        return Vec::new();
+    }
     // Through a hole one sees the inside, and the cones from behind.
     let is_closed = !scene.rim_partners.contains(&NONE);
     let mut normals = vec![Vec3::ZERO; count(scene)];
@@ -102,14 +113,14 @@ pub fn on_surface(scene: &Scene, drag: Option<Drag>) -> Vec<Glyph> {
         })
         .map(|(cone, place, normal)| {
             let normal = if is_closed { normal.normalize_or_zero() } else { Vec3::ZERO };
-            Glyph { cone, place, normal }
+            Glyph { cone, place, normal, is_seen: false }
         })
         .collect()
 }
 
 /// The glyphs on the flattened view: a cone has one where each of its seams ends.
 pub fn on_charts(scene: &Scene, drag: Option<Drag>) -> Vec<Glyph> {
-    let glyph = |cone, place: Vec3| Glyph { cone, place, normal: Vec3::ZERO };
+    let glyph = |cone, place: Vec3| Glyph { cone, place, normal: Vec3::ZERO, is_seen: true };
     let dragged = drag.map(|drag| glyph(drag.cone, drag.chart.extend(0.0)));
     places(scene)
         .iter()
@@ -141,7 +152,8 @@ pub fn bytes(scene: &Scene, mut glyphs: Vec<Glyph>, marks: Marks) -> Vec<u8> {
         bytes.extend([x, y, z, hides].map(i8::cast_unsigned));
         bytes.extend(colour(angle).bytes());
         let mark = |marked: u32| u8::from(glyph.cone == marked) * u8::MAX;
-        bytes.extend([mark(marks.hover), mark(marks.selected), 0, 0]);
+        let seen = u8::from(glyph.is_seen) * u8::MAX;
+        bytes.extend([mark(marks.hover), mark(marks.selected), seen, 0]);
     }
     bytes
 }
@@ -154,11 +166,11 @@ pub fn to_screen(place: Vec3, projection: &Projection, viewport: Viewport) -> Op
     (clip.w > 1e-4 && css.is_finite()).then_some(css)
 }
 
-/// Which part of the way to the eye a glyph is lifted.
-pub fn lift(angle: f32, projection: &Projection, viewport: Viewport) -> f32 {
+/// Which part of the way to the eye may lie between a glyph and the surface that hides it.
+pub fn dent(angle: f32, projection: &Projection, viewport: Viewport) -> f32 {
     let is_perspective = f32::from(u8::from(projection.perspective));
     let reach = (radius(angle) + RINGS[0] + RINGS[1]) * viewport.scale;
-    (LIFT * reach * projection.pixel * is_perspective).min(0.5)
+    (DENT * reach * projection.pixel * is_perspective).min(0.5)
 }
 
 /// Whether the surface under a glyph looks towards the eye, or is one that is seen from both sides.

@@ -201,7 +201,7 @@ impl Stage {
         self.stamp(charts || rims || patches, &[Part::ChartRims, Part::ChartOutline]);
         self.stamp(marks, &[Part::MarkPoints, Part::MarkSegments]);
         self.stamp(field, &[Part::Ramp]);
-        self.stamp(cones || rims, &[Part::Cones]);
+        self.stamp(cones || rims || places || triangles, &[Part::Cones]);
         self.stamp(cones || charts, &[Part::ChartCones]);
         if cones || is_new_mesh {
             self.drag = None;
@@ -276,6 +276,7 @@ impl Stage {
         }
         self.viewports[view as usize] = viewport;
         self.dirty[view as usize] = true;
+        self.stamp(view == View::Surface, &[Part::Cones]);
         if viewport.is_empty() {
             return;
         }
@@ -366,6 +367,8 @@ impl Stage {
             return None;
         }
         self.dirty[view as usize] = true;
+        // What hides a cone depends on where one looks from.
+        self.stamp(view == View::Surface, &[Part::Cones]);
         Some(viewport)
     }
 
@@ -489,6 +492,22 @@ impl Stage {
         }
     }
 
+    /// The glyphs of the surface view without those that the surface hides, as far as it is worth to look at each.
+    fn glyphs_in_sight(&mut self) -> Vec<Glyph> {
+        let mut glyphs = self.glyphs(View::Surface);
+        glyphs.sort_by(|a, b| {
+            let size = |glyph: &Glyph| cones::angle(&self.scene, glyph.cone).abs();
+            size(b).total_cmp(&size(a))
+        });
+        let far = glyphs.split_off(glyphs.len().min(cones::LOOKED_AT));
+        glyphs.retain_mut(|glyph| {
+            glyph.is_seen = self.glyph_on_screen(View::Surface, glyph).is_some();
+            glyph.is_seen
+        });
+        glyphs.extend(far);
+        glyphs
+    }
+
     /// Where a glyph is seen, and the radius of its disc, in CSS pixels; none where the surface hides it.
     fn glyph_on_screen(&mut self, view: View, glyph: &Glyph) -> Option<(Vec2, f32)> {
         let (projection, viewport) = (self.projection(view), self.viewport(view));
@@ -497,7 +516,7 @@ impl Stage {
         if view == View::Surface {
             let direction = glyph.place - projection.eye;
             let is_behind =
-                |hit: Hit| hit.distance < 1.0 - cones::lift(angle, &projection, viewport);
+                |hit: Hit| hit.distance < 1.0 - cones::dent(angle, &projection, viewport);
             let ray = Ray { origin: projection.eye, direction };
             let is_turned = !cones::faces(glyph, projection.eye);
             if is_turned || self.cast(view, ray).is_some_and(is_behind) {
@@ -682,7 +701,10 @@ impl Stage {
             Part::MarkPoints => arrays::mark_point_ribbons(scene),
             Part::MarkSegments => arrays::mark_segment_ribbons(scene),
             Part::Brush => arrays::ring_ribbons(&self.ring),
-            Part::Cones => cones::bytes(scene, self.glyphs(View::Surface), self.cone_marks),
+            Part::Cones => {
+                let glyphs = self.glyphs_in_sight();
+                cones::bytes(&self.scene, glyphs, self.cone_marks)
+            }
             Part::ChartCones => cones::bytes(scene, self.glyphs(View::Flat), self.cone_marks),
             Part::Ramp => match &scene.field {
                 Some(field) if arrays::is_labels(field) => color::label_ramp(RAMP_PIXELS),
@@ -747,8 +769,9 @@ mod tests {
         assert!(stage.shows_field());
 
         scene.positions[2] = 0.125;
-        let moved =
-            [Part::Geometry, Part::Cuts, Part::Outline, Part::Wires].map(|part| part as usize);
+        // What hides a cone lies elsewhere as well.
+        let moved = [Part::Geometry, Part::Cuts, Part::Outline, Part::Wires, Part::Cones]
+            .map(|part| part as usize);
         assert_eq!(changed(&mut stage, scene.clone()), moved);
 
         stage.set_hover(Some(1));
@@ -867,7 +890,21 @@ mod tests {
         assert_eq!(stage.pick_cone(View::Flat, near, 500.0), None);
         let labels = stage.cone_labels(View::Surface);
         assert_eq!(labels.len(), 1, "the cone behind has no label: {labels:?}");
+        assert_eq!(stage.bytes(Part::Cones).len(), 28, "and no glyph");
         assert!(labels[0][0] == 0.0 && Vec2::new(labels[0][1], labels[0][2]).distance(near) < 1e-3);
+    }
+
+    #[test]
+    fn a_cone_behind_comes_into_sight_as_the_surface_turns() {
+        let mut stage = stage(ball_with_cones());
+        let front = stage.bytes(Part::Cones);
+        let stamp = stage.stamp_of(Part::Cones);
+        // Half a turn for the shorter side of the view.
+        stage.rotate(Vec2::new(300.0, 0.0));
+        assert_ne!(stage.stamp_of(Part::Cones), stamp);
+        let back = stage.bytes(Part::Cones);
+        assert!(back.len() == 28 && back != front, "the other cone alone");
+        assert_eq!(stage.cone_labels(View::Surface)[0][0], 1.0);
     }
 
     #[test]

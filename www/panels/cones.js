@@ -160,7 +160,7 @@ export function conesPanel(host, on) {
       const { row, pick, dot, number, kind, angle, members, partner, remove } = line(i);
       const name = `Cone ${cone.cone + 1}`;
       row.dataset.cone = cone.cone;
-      dot.className = `dot ${cone.angle < 0 ? "saddle" : "top"}`;
+      dot.className = `dot ${cone.angle < 0 ? "minus" : "plus"}`;
       write(number, count(cone.cone + 1));
       pick.setAttribute("aria-label", `${name}, ${pi(cone.angle)}`);
       const [shape] = KINDS[cone.kind] ?? [];

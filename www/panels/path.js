@@ -44,7 +44,7 @@ export function pathPanel(on) {
     h("span", { class: "fine" }, "Cones were edited by hand."),
     h("button", { type: "button", class: "act", onclick: on.clear, title: "Drops all edits: the optimum chooses places and angles again" }, "Drop edits"),
   );
-  const node = h("div", { class: "path", hidden: true }, h("div", { class: "pathplot" }, svg), work, trace, edited);
+  const node = h("div", { class: "path", hidden: true }, h("div", { class: "pathplot" }, svg, h("div", { class: "over" }, work, trace)), edited);
   new ResizeObserver(([{ contentRect }]) => {
     width = contentRect.width;
     redraw();
