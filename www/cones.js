@@ -17,6 +17,11 @@ export function coneMethod(on) {
   let isOn = false;
   let last = null;
   let comparing = false;
+  /** The optimum of the comparison that is shown. */
+  let compared = null;
+  /** Whether a solution goes on, and what it or the last one has cost. */
+  let isSolving = false;
+  let spent = 0;
   const views = () => on.views();
 
   const table = conesPanel(byId("cones"), {
@@ -72,10 +77,20 @@ export function coneMethod(on) {
     comparison.reveal();
   }
 
+  /** A comparison is with the cones that it was made for. */
+  function judge(event) {
+    const isSame = (a, b) => Math.abs(a - b) <= 1e-9 * Math.abs(b);
+    if (!compared || (event.cones.length === compared.count && isSame(event.total_angle, compared.total_angle) && isSame(event.int_u2, compared.int_u2))) return;
+    compared = null;
+    comparison.hide();
+    plot.rivals([]);
+  }
+
   function figures(event) {
+    const time = spent > 0 ? [`${spent < 10 ? fixed(spent, 1) : fixed(spent, 0)}\u202fms`] : [];
     const share = event.lambda_max > 0 ? `λ ${dial(event.lambda)}, ${fixed((100 * event.lambda) / event.lambda_max, 1)}\u202f% of λ_max` : `λ ${dial(event.lambda)}`;
     const certificate = event.is_edited ? ["edited by hand"] : [`residual ${short(event.kkt_residual)}`, `gap ${short(event.gap)}`];
-    return [share, ...certificate].join(", ");
+    return [...time, share, ...certificate].join(", ");
   }
 
   return {
@@ -83,6 +98,7 @@ export function coneMethod(on) {
       cones(event) {
         last = event;
         const selected = table.selected();
+        judge(event);
         table.show(event);
         if (table.selected() !== selected) select(-1);
         path.show(event);
@@ -94,6 +110,7 @@ export function coneMethod(on) {
         plot.path(event);
       },
       cone_comparison(event) {
+        compared = event.rows[0] ?? null;
         comparison.show(event);
         plot.rivals(event.rows.slice(1));
       },
@@ -102,8 +119,19 @@ export function coneMethod(on) {
     path: path.node,
     /** Takes the specs of the parameters. */
     specs: (specs) => path.spec(specs.find(({ id }) => id === "lambda")),
-    /** Takes a `status` event: a path is traced or it is not. */
-    status: ({ state, text }) => path.tracing(isOn && state !== "error" && /^Tracing/.test(text)),
+    /** Takes a `status` event: a solution begins, a path is traced, or neither. */
+    status({ state, text }) {
+      const runs = state === "running";
+      const traces = runs && /tracing/i.test(text);
+      path.tracing(isOn && traces);
+      if (runs && !traces && !isSolving) spent = 0;
+      isSolving = runs && !traces;
+      if (isOn && last && !runs) on.facts(figures(last));
+    },
+    /** Milliseconds that the engine has spent. */
+    spent(milliseconds) {
+      if (isSolving) spent += milliseconds;
+    },
     /** Whether this is the method that is chosen. */
     show(isChosen) {
       isOn = isChosen;
@@ -117,7 +145,7 @@ export function coneMethod(on) {
     },
     /** Another mesh. */
     clear() {
-      last = null;
+      [last, compared, spent] = [null, null, 0];
       select(-1);
       table.show({ cones: [], note: null });
       path.clear();

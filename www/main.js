@@ -270,7 +270,8 @@ const handlers = {
   measures(event) {
     now.rows = event.rows;
     now.pattern = event.pattern ?? null;
-    if (event.note && event.note !== now.note) say(event.note);
+    // The table of the cones has its own place for it.
+    if (event.note && event.note !== now.note && now.method !== "cones") say(event.note);
     now.note = event.note ?? null;
     measures.show(event.rows);
     pieces.show(event.pieces);
@@ -308,7 +309,10 @@ const client = new EngineClient({
   events(list, spent) {
     for (const event of list) handlers[event.type]?.(event);
     const steps = list.filter((event) => event.type === "energy" && event.step > 0).length;
-    if (spent > 0 && !waits.isPreparing()) status.spent(spent, steps);
+    if (spent > 0 && !waits.isPreparing()) {
+      status.spent(spent, steps);
+      cones.spent(spent);
+    }
     if (status.state() !== "running") settle();
   },
   scene(scene) {
@@ -394,6 +398,7 @@ function toMethod(id) {
   byId("hide-seams").title = hide[1];
   sheet.name(names);
   cones.show(isCones);
+  exports.setMethod(id);
   learn.setMethod(id, words().learn);
   byId("parameters").setAttribute("aria-labelledby", `tab-${id}`);
   sayHint();

@@ -59,7 +59,7 @@ for (const renderer of RENDERERS) {
     const forget = () => browser.page.evaluate(() => void ([window.sent, window.mostOpen] = [[], 0]));
     const slider = () => browser.page.locator("#settings .path + .param input[type=range]");
     const angles = () => table().getByLabel(/^Angle of cone \d+$/);
-    const edited = () => browser.page.getByText("Cones were edited by hand.");
+    const edited = () => browser.page.getByText("Edited by hand", { exact: true });
     const path = () => browser.page.getByRole("img", { name: /^Number of cones over λ/ });
     /** Waits until the engine rests, and gives how many cones there are then. */
     async function rest() {
@@ -144,17 +144,19 @@ for (const renderer of RENDERERS) {
 
     it("adds a cone where somebody clicks, takes it elsewhere, and removes it", async () => {
       const count = await rest();
-      const { x, y } = await middle();
       await forget();
       await button("Add cone").click();
       await browser.page.getByLabel("Angle of new cones", { exact: true }).fill("0.5");
-      await browser.page.mouse.click(x, y);
+      // The tools take some room: the middle is another one afterwards.
+      const open = await middle();
+      await browser.page.mouse.click(open.x, open.y);
       const [added] = await page.until("the place is sent", () => sent("add_cone"), (list) => list.length === 1);
       assert.ok(Number.isInteger(added.face) && added.place.every(Number.isFinite) && Math.abs(added.angle - Math.PI / 2) < 1e-12);
       await page.until("there is one more", rest, (now) => now === count + 1);
       await button("Add cone").click();
 
       const still = await picture();
+      const { x, y } = await middle();
       await browser.page.mouse.move(x, y);
       await browser.page.mouse.down();
       await browser.page.mouse.move(x + 40, y + 10, { steps: 4 });

@@ -76,7 +76,7 @@ export function distortionPlot(host) {
     }
     for (const rival of rivals) {
       nodes.push(s("circle", { class: "second", cx: x(rival), cy: y(rival), r: 3.5 }));
-      label(rival, `${rival.label}, ${count(rival.count)}`, "second");
+      label(rival, `${rival.label.split(",")[0]}, ${count(rival.count)}`, "second");
     }
     let last = null;
     for (const point of points) {

@@ -41,7 +41,7 @@ export function pathPanel(on) {
   const edited = h(
     "p",
     { class: "edited", hidden: true },
-    h("span", { class: "fine" }, "Cones were edited by hand."),
+    h("span", { class: "fine" }, "Edited by hand"),
     h("button", { type: "button", class: "act", onclick: on.clear, title: "Drops all edits: the optimum chooses places and angles again" }, "Drop edits"),
   );
   const node = h("div", { class: "path", hidden: true }, h("div", { class: "pathplot" }, svg, h("div", { class: "over" }, work, trace)), edited);
@@ -108,7 +108,7 @@ export function pathPanel(on) {
       nodes.push(
         s("path", { class: "now", d: `M${x.toFixed(1)} ${TOP - 6}V${FLOOR}` }),
         s("circle", { class: "now", cx: x, cy: y, r: 4 }),
-        s("text", { class: "label", x: isRight ? x + 8 : x - 8, y: Math.max(12, Math.min(y - 7, FLOOR - 6)), "text-anchor": isRight ? "start" : "end" }, plural(shown, "cone")),
+        s("text", { class: "label", x: isRight ? x + 8 : x - 8, y: Math.max(12, Math.min(y - 7, FLOOR - 6)), "text-anchor": isRight ? "start" : "end" }, now.cones.length === shown ? plural(shown, "cone") : `${plural(shown, "cone")}, merged to ${count(now.cones.length)}`),
       );
     }
     svg.replaceChildren(...nodes);

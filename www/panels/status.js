@@ -54,7 +54,7 @@ export function statusPanel({ run, pause, step, reset }) {
 
   function enable() {
     // After an error the last good cut is still there.
-    const canStart = (STARTABLE.includes(state) || (state === "error" && energy.start !== null)) && blocked === null;
+    const canStart = (STARTABLE.includes(state) || (state === "error" && (energy.start !== null || figures !== null))) && blocked === null;
     // A button that the keyboard stands on hands the focus to the one that takes its place.
     const focused = document.activeElement;
     buttons.run.disabled = !canStart;
