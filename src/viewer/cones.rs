@@ -18,6 +18,10 @@ pub const GLYPH_STRIDE: u64 = 28;
 const RADIUS: f32 = 7.0;
 /// The smallest disc whose colour can be told, and the largest that hides nothing of interest.
 const RADII: [f32; 2] = [2.4, 10.5];
+/// Side of a view in CSS pixels below which discs are smaller, and how much smaller at most: on a phone they would hide
+/// the surface.
+const ROOM: f32 = 400.0;
+const CROWDED: f32 = 0.65;
 /// Widths of the light ring around the coloured disc and of the dark one around that, in CSS pixels.
 pub const RINGS: [f32; 2] = [1.5, 0.8];
 /// Glyphs beyond these are left to the depth test of the graphics device, which may cut a disc in two at the edge of
@@ -33,8 +37,9 @@ const DENT: f32 = 1.0;
 pub const TURNED: f32 = -0.25;
 
 /// Radius of the coloured disc, CSS pixels: its area is proportional to the angle within [`RADII`].
-pub fn radius(angle: f32) -> f32 {
-    (RADIUS * (angle.abs() / PI).sqrt()).clamp(RADII[0], RADII[1])
+pub fn radius(angle: f32, viewport: Viewport) -> f32 {
+    let room = (viewport.size.min_element() / ROOM).clamp(CROWDED, 1.0);
+    (RADIUS * room * (angle.abs() / PI).sqrt()).clamp(RADII[0], RADII[1])
 }
 
 /// Colour of an angle: the diverging map of signed fields, blue for saddles and red for tops, without its pale middle.
@@ -136,7 +141,7 @@ fn places(scene: &Scene) -> &[[u32; 2]] {
 }
 
 /// Glyphs as bytes, in the order in which they are drawn.
-pub fn bytes(scene: &Scene, mut glyphs: Vec<Glyph>, marks: Marks) -> Vec<u8> {
+pub fn bytes(scene: &Scene, mut glyphs: Vec<Glyph>, marks: Marks, viewport: Viewport) -> Vec<u8> {
     let is_marked = |cone| cone == marks.selected || cone == marks.hover;
     glyphs.sort_by(|a, b| {
         let size = |glyph: &Glyph| angle(scene, glyph.cone).abs();
@@ -146,7 +151,7 @@ pub fn bytes(scene: &Scene, mut glyphs: Vec<Glyph>, marks: Marks) -> Vec<u8> {
     for glyph in glyphs {
         let angle = angle(scene, glyph.cone);
         arrays::push_floats(&mut bytes, &glyph.place.to_array());
-        arrays::push_floats(&mut bytes, &[radius(angle)]);
+        arrays::push_floats(&mut bytes, &[radius(angle, viewport)]);
         let [x, y, z] = glyph.normal.to_array().map(|x| (x * 127.0).round() as i8);
         let hides = i8::from(glyph.normal != Vec3::ZERO) * 127;
         bytes.extend([x, y, z, hides].map(i8::cast_unsigned));
@@ -169,7 +174,7 @@ pub fn to_screen(place: Vec3, projection: &Projection, viewport: Viewport) -> Op
 /// Which part of the way to the eye may lie between a glyph and the surface that hides it.
 pub fn dent(angle: f32, projection: &Projection, viewport: Viewport) -> f32 {
     let is_perspective = f32::from(u8::from(projection.perspective));
-    let reach = (radius(angle) + RINGS[0] + RINGS[1]) * viewport.scale;
+    let reach = (radius(angle, viewport) + RINGS[0] + RINGS[1]) * viewport.scale;
     (DENT * reach * projection.pixel * is_perspective).min(0.5)
 }
 
@@ -182,6 +187,8 @@ pub fn faces(glyph: &Glyph, eye: Vec3) -> bool {
 mod tests {
     use super::super::fixtures::{two_squares, unit_ball};
     use super::*;
+
+    const WIDE: Viewport = Viewport { size: Vec2::new(600.0, 500.0), scale: 1.0 };
 
     /// The two squares with a cone in the corner that both have, and one in a corner of the first.
     fn with_cones() -> Scene {
@@ -218,9 +225,11 @@ mod tests {
 
     #[test]
     fn the_area_of_a_disc_is_as_the_angle() {
-        let (small, large) = (radius(0.3 * PI), radius(-1.2 * PI));
+        let (small, large) = (radius(0.3 * PI, WIDE), radius(-1.2 * PI, WIDE));
         assert!(((large / small).powi(2) - 4.0).abs() < 1e-4);
-        assert!(radius(0.0) > 2.0 && radius(100.0) < 12.0);
+        assert!(radius(0.0, WIDE) > 2.0 && radius(100.0, WIDE) < 12.0);
+        let phone = Viewport { size: Vec2::new(390.0, 220.0), scale: 3.0 };
+        assert!(radius(PI, phone) < 0.7 * radius(PI, WIDE));
     }
 
     #[test]
@@ -236,7 +245,7 @@ mod tests {
     fn every_glyph_has_its_stride_and_the_marked_one_lies_on_top() {
         let scene = with_cones();
         let order = |marks| {
-            let drawn = bytes(&scene, on_surface(&scene, None), marks);
+            let drawn = bytes(&scene, on_surface(&scene, None), marks, WIDE);
             assert_eq!(drawn.len(), 2 * GLYPH_STRIDE as usize);
             cones_drawn(&drawn).iter().map(|glyph| glyph[0]).collect::<Vec<f32>>()
         };

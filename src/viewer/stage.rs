@@ -276,7 +276,7 @@ impl Stage {
         }
         self.viewports[view as usize] = viewport;
         self.dirty[view as usize] = true;
-        self.stamp(view == View::Surface, &[Part::Cones]);
+        self.stamp(true, &[Part::Cones, Part::ChartCones]);
         if viewport.is_empty() {
             return;
         }
@@ -523,7 +523,7 @@ impl Stage {
                 return None;
             }
         }
-        Some((css, cones::radius(angle)))
+        Some((css, cones::radius(angle, viewport)))
     }
 
     /// The cone whose glyph is seen within `slop` CSS pixels of a place of the screen, the nearest of several.
@@ -537,7 +537,7 @@ impl Stage {
             .into_iter()
             .filter_map(|glyph| {
                 let distance = cones::to_screen(glyph.place, &projection, viewport)?.distance(css);
-                let reach = cones::radius(cones::angle(&self.scene, glyph.cone)) + slop;
+                let reach = cones::radius(cones::angle(&self.scene, glyph.cone), viewport) + slop;
                 (distance <= reach).then_some((distance, glyph))
             })
             .collect();
@@ -703,9 +703,14 @@ impl Stage {
             Part::Brush => arrays::ring_ribbons(&self.ring),
             Part::Cones => {
                 let glyphs = self.glyphs_in_sight();
-                cones::bytes(&self.scene, glyphs, self.cone_marks)
+                cones::bytes(&self.scene, glyphs, self.cone_marks, self.viewport(View::Surface))
             }
-            Part::ChartCones => cones::bytes(scene, self.glyphs(View::Flat), self.cone_marks),
+            Part::ChartCones => cones::bytes(
+                scene,
+                self.glyphs(View::Flat),
+                self.cone_marks,
+                self.viewport(View::Flat),
+            ),
             Part::Ramp => match &scene.field {
                 Some(field) if arrays::is_labels(field) => color::label_ramp(RAMP_PIXELS),
                 field => color::ramp(field.as_ref().is_some_and(|f| f.signed), RAMP_PIXELS),
