@@ -13,6 +13,10 @@ const CHANGES = ["repair", "repair_all", "prepare"];
 /** Commands that put something on the surface by hand, and how many of them are remembered for a restart. */
 const HANDWORK = ["paint", "clear_paint", "hide_from_camera", "set_symmetry"];
 const STROKES = 5000;
+/** The same for cones: they are told again after the parameters, whose solution they change. */
+const CONE_EDITS = ["add_cone", "move_cone", "set_cone_angle", "remove_cone"];
+
+const nextFrame = () => new Promise((resolve) => requestAnimationFrame(resolve));
 
 export class EngineClient {
   #on;
@@ -33,6 +37,9 @@ export class EngineClient {
   /** What brought the newest mesh about. */
   #made = null;
   #values = {};
+  #method = null;
+  /** Edits of the cones that are in force. */
+  #edits = [];
   #size = null;
 
   /**
@@ -68,7 +75,10 @@ export class EngineClient {
     return this.#request({ type: "command", command }, [], command);
   }
 
-  /** Sends the newest value of a parameter: while one is on its way, values in between are left out. */
+  /**
+   * Sends the newest value of a parameter: while one is on its way, and until the frame after its answer, values in
+   * between are left out.
+   */
   setParameter(id, value) {
     const isBusy = this.#latest.has(id);
     this.#latest.set(id, value);
@@ -78,6 +88,7 @@ export class EngineClient {
   async #sendLatest(id) {
     const value = this.#latest.get(id);
     await this.command({ type: "set_parameter", id, value });
+    if (this.#latest.get(id) !== value) await nextFrame();
     if (this.#latest.get(id) === value) this.#latest.delete(id);
     else if (this.#latest.has(id)) this.#sendLatest(id);
   }
@@ -169,6 +180,8 @@ export class EngineClient {
   #report(events, spent, cause) {
     for (const event of events) {
       if (event.type === "parameters") this.#values = event.values;
+      if (event.type === "methods") this.#method = event.current;
+      if (event.type === "cones" && !event.is_edited) this.#edits = [];
       if (event.type === "size") this.#size = event;
       if (event.type === "mesh") {
         this.#made = cause;
@@ -184,6 +197,8 @@ export class EngineClient {
     const mesh = this.#meshes[this.#at];
     if (!mesh || !cause || events.some(({ type }) => type === "error")) return;
     if (cause.type === "undo" || cause.type === "redo") mesh.handwork = [];
+    if (cause.type === "undo" || cause.type === "redo") this.#edits = [];
+    if (CONE_EDITS.includes(cause.type)) this.#edits.push(cause);
     if (HANDWORK.includes(cause.type)) mesh.handwork = [...mesh.handwork, cause].slice(-STROKES);
   }
 
@@ -246,6 +261,8 @@ export class EngineClient {
     const mesh = this.#deaths < ATTEMPTS ? this.#meshes[this.#at] : null;
     const isFirst = this.#deaths < 2;
     const [values, size] = [{ ...this.#values }, this.#size];
+    const [method, edits] = [this.#method, this.#edits];
+    this.#edits = [];
     this.#discard();
     this.#spawn();
     this.#on.restarted(sentence, mesh !== null && mesh !== undefined);
@@ -257,10 +274,11 @@ export class EngineClient {
     // The new engine knows no way back from here.
     [this.#meshes, this.#at] = [[{ source: mesh.source, changes: isFirst ? mesh.changes : [], handwork: [] }], 0];
     await this.#open(mesh.source, true);
-    if (isFirst) await this.#replay(mesh, values, size);
+    if (method !== this.#method) await this.command({ type: "set_method", id: method });
+    if (isFirst) await this.#replay(mesh, values, size, edits);
   }
 
-  async #replay({ changes, handwork }, values, size) {
+  async #replay({ changes, handwork }, values, size, edits) {
     for (const command of changes) {
       await this.#request({ type: "command", command }, [], { ...command, isReplay: true });
       if (this.#preparing) await new Promise((resolve) => this.#rested.push(resolve));
@@ -270,6 +288,7 @@ export class EngineClient {
     for (const [id, value] of Object.entries(values)) {
       if (this.#values[id] !== value) await this.command({ type: "set_parameter", id, value });
     }
+    for (const command of edits) await this.command(command);
     if (!size || !this.#size) return;
     if (this.#size.unit !== size.unit) await this.command({ type: "set_unit", id: size.unit });
     const axis = size.boxes.indexOf(Math.max(...size.boxes));

@@ -58,6 +58,18 @@ export function parse(text) {
   return plain === "" ? NaN : Number(plain);
 }
 
+/** An angle in radians as a multiple of π: `0.44 π`. */
+export const pi = (angle, decimals = 2) => `${fixed(angle / Math.PI, decimals)}\u202fπ`;
+
+/** What a person typed for an angle in units of π, in radians: `0.5`, `-1/2`, `2π/3`. NaN where it says no angle. */
+export function parsePi(text) {
+  const plain = text.replace(/[\s\u202f\u00a0*·]/g, "").replaceAll(MINUS, "-").replace(",", ".").replace(/pi/i, "π");
+  const [, sign, number, symbol, divisor] = /^([+-]?)(\d*\.?\d*(?:e[+-]?\d+)?)(π?)(?:\/(\d+\.?\d*))?π?$/i.exec(plain) ?? [];
+  if (number === undefined || (number === "" && symbol === "")) return NaN;
+  const value = (number === "" ? 1 : Number(number)) / (divisor === undefined ? 1 : Number(divisor));
+  return (sign === "-" ? -1 : 1) * value * Math.PI;
+}
+
 /** Round numbers that divide `[0, top]` into about `parts`. */
 export function ticks(top, parts, whole = false) {
   if (!(top > 0)) return [0];

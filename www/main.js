@@ -1,6 +1,7 @@
 // Wires the page together: the engine's events go to the panels, what people do goes to the engine as commands. The
 // page itself holds no geometry; it draws, each animation frame, the newest scene that the worker has sent.
 
+import { coneMethod } from "./cones.js";
 import { byId, h, paced, settle } from "./dom.js";
 import { EngineClient } from "./engine-client.js";
 import { listenToKeys } from "./keys.js";
@@ -30,6 +31,25 @@ import { waiting } from "./panels/waiting.js";
 import { measure, percent, plural } from "./format.js";
 
 const FIRST_SAMPLE = "ball";
+/** What the page says of a method where its own words differ. */
+const WORDS = {
+  cutflow: {
+    label: "Cut flow",
+    learn: "One step of the cut flow",
+    sheet: { energy: "Energy", pieces: "Pieces" },
+    empty: "uncut",
+    hide: ["Hide seams from here", "Hide seams from here: cuts shall cost more wherever this view sees them"],
+    hidden: ["penalty", "Cuts now cost more where this view sees them: the penalty η that is shown. Run moves them out of sight."],
+  },
+  cones: {
+    label: "Cones",
+    learn: "How the cones are found",
+    sheet: { energy: "Distortion", pieces: "Cones" },
+    empty: "unsolved",
+    hide: ["Hide cones from here", "Hide cones from here: they shall cost more wherever this view sees them"],
+    hidden: ["cone_cost", "Cones now cost more where this view sees them: the cost that is shown."],
+  },
+};
 /** Why what needs a cut cannot be had. */
 const BLOCKED = "Repair the mesh first: see Mesh, at the top of the parameters";
 /** How long a tool is given to stop by itself. */
@@ -43,8 +63,9 @@ const now = {
   /** What the doctor said about it. */
   doctor: null,
   values: {},
-  /** The values with which the mesh was opened. */
-  opened: null,
+  method: "cutflow",
+  /** The values with which the mesh was opened, by method. */
+  opened: {},
   fields: { current: "pieces", options: [] },
   rows: [],
   pattern: null,
@@ -77,7 +98,20 @@ const symmetry = symmetryPanel({
   find: () => waits.answer("Looking for symmetries", "The search was cancelled.", () => client.command({ type: "find_symmetries" })),
   choose: (ids) => client.command({ type: "set_symmetry", ids }),
 });
-const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), { Symmetry: symmetry.node });
+const cones = coneMethod({
+  send: (command) => onCut(command),
+  wait: (sentence, cancelled, command) => waits.answer(sentence, cancelled, () => onCut(command)),
+  lambda: (value) => client.setParameter("lambda", value),
+  views: () => views,
+  say: (sentence) => say(sentence),
+  toolChanged(isHeld) {
+    if (isHeld) brush.put();
+    tools.held(brush.isOn() || isHeld);
+    sayHint();
+  },
+  facts: (text) => status.figures(text),
+});
+const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), { Symmetry: symmetry.node }, { lambda: cones.path });
 const presets = presetsPanel(
   byId("presets"),
   (id) => changing("Setting the preset", { type: "apply_preset", id }),
@@ -95,7 +129,7 @@ const meshPanel = meshSection(byId("mesh-section"), {
   setSize: (axis, value) => client.command({ type: "set_size", axis, value }),
   prepare: (tool, values) => client.command({ type: "prepare", tool, values }),
 });
-const empty = emptyState({ openMesh: openMeshSection, repairAll, toPieces, cut: firstCut });
+const empty = emptyState({ openMesh: openMeshSection, repairAll, toPieces, cut: firstCut, solve: () => onCut({ type: "run" }) });
 const exports = exportMenu(save);
 const [surfaceView, flatView] = [document.querySelector(".view.surface"), document.querySelector(".view.flat")];
 const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"));
@@ -111,7 +145,8 @@ const views = new Views(stages, {
   renderer: (name) => {
     root.dataset.renderer = name;
     const title = name === "webgpu" ? "WebGPU" : "WebGL2";
-    byId("hint").replaceChildren(h("span", {}, "Drag to turn · "), title);
+    byId("hint").replaceChildren(h("span"), title);
+    sayHint();
     byId("hint").title = `Drawn with ${title}. Add ?renderer=${name === "webgpu" ? "webgl" : "webgpu"} to the address for the other.`;
   },
   taken: () => client.sceneTaken(),
@@ -121,6 +156,11 @@ const views = new Views(stages, {
   },
   hover: (patch) => pieces.light(patch, true),
   describe: tipFor,
+  hoverCone: cones.hoverCone,
+  describeCone: cones.describeCone,
+  selectCone: cones.selectCone,
+  moveCone: cones.moveCone,
+  addCone: cones.addCone,
   failed: (reason) => {
     error.show({
       what: "The surfaces cannot be drawn: this browser offers neither WebGPU nor WebGL2.",
@@ -139,17 +179,26 @@ const brush = brushPanel(
     circle: ({ face, x, y, z }) => changing("Starting at a circle", { type: "place_circle", face, place: [x, y, z] }),
     field: showField,
     changed(isOn) {
-      tools.held(isOn);
-      const words = byId("hint").querySelector("span");
-      if (words) words.textContent = isOn ? "Drag paints, beside the surface it turns · " : "Drag to turn · ";
+      if (isOn) cones.tool.put();
+      tools.held(isOn || cones.tool.isOn());
+      sayHint();
     },
   },
   () => ({ fields: now.fields.options, current: now.fields.current }),
 );
 
-const tools = viewTools(views, () => brush.put());
+const tools = viewTools(views, () => {
+  brush.put();
+  cones.tool.put();
+});
+const tabs = methodTabs(chooseMethod, say);
 
 const handlers = {
+  ...cones.handlers,
+  methods(event) {
+    tabs.show(event);
+    if (event.current !== now.method) toMethod(event.current);
+  },
   samples(event) {
     now.samples = event;
     showSamples();
@@ -157,7 +206,7 @@ const handlers = {
   mesh(event) {
     now.mesh = event;
     now.doctor = null;
-    now.opened = null;
+    now.opened = {};
     now.stages = null;
     document.title = `Cutflow – ${event.name}`;
     brush.drop();
@@ -165,6 +214,7 @@ const handlers = {
     mesh.show(event);
     meshPanel.show(event);
     plot.clear();
+    cones.clear();
     status.clear();
     error.hideRefusal();
     for (const id of ["export", "share"]) byId(id).disabled = false;
@@ -183,13 +233,14 @@ const handlers = {
   progress: ({ label, fraction }) => waits.progress(label, fraction),
   parameters(event) {
     now.values = event.values;
-    now.opened ??= event.values;
+    now.opened[event.method] ??= event.values;
     parameters.show(event);
+    cones.specs(event.specs);
   },
   presets: (event) => presets.show(event),
   paint_channels(event) {
     brush.offer(event);
-    byId("hide-seams").hidden = !brush.offers("penalty");
+    byId("hide-seams").hidden = !brush.offers(words().hidden[0]);
   },
   symmetries(event) {
     symmetry.show(event);
@@ -208,6 +259,7 @@ const handlers = {
     // The preview is watched while it goes on and ends with its own button.
     waits.prepare(event.state === "preparing" && !fold.isOn() ? event.text : null);
     status.show(event);
+    cones.status(event);
     explainEmpty();
     learn.update();
   },
@@ -218,7 +270,8 @@ const handlers = {
   measures(event) {
     now.rows = event.rows;
     now.pattern = event.pattern ?? null;
-    if (event.note && event.note !== now.note) say(event.note);
+    // The table of the cones has its own place for it.
+    if (event.note && event.note !== now.note && now.method !== "cones") say(event.note);
     now.note = event.note ?? null;
     measures.show(event.rows);
     pieces.show(event.pieces);
@@ -256,7 +309,10 @@ const client = new EngineClient({
   events(list, spent) {
     for (const event of list) handlers[event.type]?.(event);
     const steps = list.filter((event) => event.type === "energy" && event.step > 0).length;
-    if (spent > 0 && !waits.isPreparing()) status.spent(spent, steps);
+    if (spent > 0 && !waits.isPreparing()) {
+      status.spent(spent, steps);
+      cones.spent(spent);
+    }
     if (status.state() !== "running") settle();
   },
   scene(scene) {
@@ -293,6 +349,7 @@ const learn = learnPanel(
     wires: (on) => views.setWireframe(on || byId("wireframe").getAttribute("aria-pressed") === "true"),
     layout() {
       brush.put();
+      cones.tool.put();
       endFold();
     },
     picture: (canvas) => views.copySurface(canvas),
@@ -307,10 +364,54 @@ const learn = learnPanel(
     field: now.scene?.field ?? null,
     scene: now.scene,
     stages: now.stages?.step === status.step() + 1 ? now.stages.stages : [],
+    figures: now.method === "cones" ? cones.figures() : [],
   }),
 );
 
 // What people do.
+
+const words = () => WORDS[now.method] ?? WORDS.cutflow;
+
+async function chooseMethod(id) {
+  brush.put();
+  cones.tool.put();
+  learn.close();
+  await endFold();
+  await toPieces();
+  const name = WORDS[id]?.label ?? id;
+  await waits.answer(`Changing to ${name}`, `Changing to ${name} was cancelled.`, () => client.command({ type: "set_method", id }));
+}
+
+/** Arranges the page for a method: the engine has changed to it. */
+function toMethod(id) {
+  now.method = id;
+  now.stages = null;
+  root.dataset.method = id;
+  plot.clear();
+  status.clear();
+  const isCones = id === "cones";
+  for (const [pane, isShown] of [["energy", !isCones], ["pieces", !isCones], ["distortion", isCones], ["cones", isCones]]) {
+    byId(pane).hidden = !isShown;
+  }
+  const { hide, sheet: names } = words();
+  byId("hide-seams").setAttribute("aria-label", hide[0]);
+  byId("hide-seams").title = hide[1];
+  sheet.name(names);
+  cones.show(isCones);
+  exports.setMethod(id);
+  learn.setMethod(id, words().learn);
+  byId("parameters").setAttribute("aria-labelledby", `tab-${id}`);
+  sayHint();
+  explainEmpty();
+}
+
+function sayHint() {
+  const text = byId("hint").querySelector("span");
+  if (!text) return;
+  if (brush.isOn()) text.textContent = "Drag paints, beside the surface it turns · ";
+  else if (cones.tool.isOn()) text.textContent = "Click adds a cone, drag turns · ";
+  else text.textContent = now.method === "cones" ? "Drag turns, on a cone it moves it · " : "Drag to turn · ";
+}
 
 async function takeStep() {
   if (status.state() === "running") await client.command({ type: "pause" });
@@ -337,6 +438,8 @@ function allow() {
   fold.block(reason);
   const isFolded = fold.isOn() ? "End the fold preview first" : null;
   brush.block(reason ?? isFolded);
+  cones.tool.block(reason ?? isFolded);
+  byId("compare").disabled = reason !== null;
   byId("hide-seams").disabled = (reason ?? isFolded) !== null;
   if (reason !== null) learn.close();
   for (const select of document.querySelectorAll("select.overlay")) {
@@ -351,7 +454,7 @@ function allow() {
 function explainEmpty() {
   if (isBlocked()) empty.show("blocked", now.doctor?.repair_all.length > 0);
   else if (now.doctor?.shown) empty.show("marked");
-  else empty.show(status.isUncut() ? "uncut" : null);
+  else empty.show(status.isUncut() ? words().empty : null);
 }
 
 function firstCut() {
@@ -385,9 +488,10 @@ function showField(id) {
 async function hideSeams() {
   const eye = views.eye();
   if (!eye) return;
-  await waits.answer("Looking at the surface from here", "Hiding the seams was cancelled.", () => onPieces({ type: "hide_from_camera", eye }));
-  showField("penalty");
-  say("Cuts now cost more where this view sees them: the penalty η that is shown. Run moves them out of sight.");
+  await waits.answer("Looking at the surface from here", "Hiding was cancelled.", () => onPieces({ type: "hide_from_camera", eye }));
+  const [field, sentence] = words().hidden;
+  showField(field);
+  say(sentence);
 }
 
 function openMeshSection() {
@@ -498,21 +602,21 @@ shareButton(() => ({
   sample: client.document?.sample ?? null,
   isChanged: client.isChanged,
   name: now.mesh?.name,
+  method: now.method,
   specs: parameters.specs(),
   values: now.values,
-  opened: now.opened ?? {},
+  opened: now.opened[now.method] ?? {},
 }));
 
 byId("hide-seams").addEventListener("click", hideSeams);
 
-methodTabs(asked.method, say);
 const sheet = sheetTabs();
 
 const press = (id) => !byId(id).disabled && !byId(id).hidden && byId(id).click();
 listenToKeys({
   press,
   dismiss: () => error.dismiss(),
-  held: (name) => brush.key(name),
+  held: (name) => brush.key(name) || (!learn.isOpen() && cones.key(name)),
   actions: {
     o: () => byId("file").click(),
     " ": () => press(status.state() === "running" ? "pause" : "run"),
@@ -522,6 +626,7 @@ listenToKeys({
     w: () => press("wireframe"),
     c: () => press("checkerboard"),
     b: () => learn.isOpen() || press("brush"),
+    a: () => learn.isOpen() || press("add-cone"),
   },
 });
 
@@ -538,6 +643,11 @@ async function begin() {
   if (!isKnown) say(`There is no sample named ${wanted}; this is the ${FIRST_SAMPLE}.`);
   const opened = await openSample(isKnown ? wanted : FIRST_SAMPLE);
   if (!opened) return;
+  if (asked.method !== now.method) {
+    const isThere = byId(`tab-${asked.method}`)?.hasAttribute("aria-disabled") === false;
+    if (isThere) await chooseMethod(asked.method);
+    else tabs.refuse(asked.method);
+  }
   for (const spec of parameters.specs()) {
     const value = spec.id in asked.values ? valueFor(spec, asked.values[spec.id]) : undefined;
     if (value !== undefined && value !== now.values[spec.id]) {

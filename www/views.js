@@ -2,6 +2,8 @@
 // the wheel and the keys do, hands over sizes and scenes, and makes new canvases when the graphics are lost.
 
 import init, { Viewer } from "./pkg/viewer.js";
+import { coneHand } from "./cone-hand.js";
+import { coneLabels } from "./cone-labels.js";
 import { h, s } from "./dom.js";
 
 export const SURFACE = 0;
@@ -16,6 +18,8 @@ const KEY_DRAG = 24;
 const PICTURE_PX = 1600;
 /** A finger that moves this far paints; one that lifts before has touched, and a second one may still join it. */
 const TOUCH_PX = 4;
+/** The ring that shows where a cone would be added. */
+const POINT = 0.03;
 /** Losing the graphics more often than this in a row means that they cannot be had. */
 const REBUILDS = 4;
 
@@ -46,17 +50,24 @@ export class Views {
   /** What the pointer paints with, and where it is over the surface; null for neither. */
   #brush = null;
   #brushAt = null;
+  /** The cones that are pointed at and chosen, -1 for none. */
+  #marks = { hover: -1, selected: -1 };
+  #hand;
+  #labels;
   #frame = () => this.#draw();
 
   /**
    * @param hosts the two elements that hold the canvases
    * @param on `renderer(name)`, `taken()` when a scene was handed to the viewer, `hover(patch)`, `describe(patch)`
-   * giving the nodes of the tip, `drawn()` after a picture changed, `failed(reason)`
+   * giving the nodes of the tip, `drawn()` after a picture changed, `failed(reason)`; of cones `hoverCone(cone)`,
+   * `describeCone(cone)`, `selectCone(cone)`, `moveCone(cone, pick)`, `addCone(pick)`
    */
   constructor(hosts, on) {
     this.#hosts = hosts;
     this.#on = on;
     hosts[FLAT].append(this.#numbersLayer);
+    this.#labels = hosts.map(coneLabels);
+    this.#hand = coneHand(() => (this.#scene ? this.#viewer : null), { select: on.selectCone, move: on.moveCone, add: on.addCone });
     hosts.forEach((host, view) => this.#listen(host, view));
   }
 
@@ -106,6 +117,46 @@ export class Views {
     this.#on.hover(patch);
   }
 
+  /** Whether there are cones to point at. */
+  setCones(on) {
+    this.#hand.enable(on);
+    if (!on) this.markCones({ hover: -1, selected: -1 });
+  }
+
+  /** Whether a click adds a cone. */
+  setConeTool(on) {
+    this.#hand.setAdds(on);
+    this.#brushAt = null;
+    this.#hosts.forEach((host) => host.classList.toggle("adding", on));
+    this.refreshBrush();
+  }
+
+  /** Marks the cones that are pointed at and chosen, each where it is given; -1 for none. */
+  markCones(marks) {
+    const next = { ...this.#marks, ...marks };
+    if (next.hover === this.#marks.hover && next.selected === this.#marks.selected) return;
+    const isOther = next.hover !== this.#marks.hover;
+    this.#marks = next;
+    this.#viewer?.set_cone_marks(next.hover, next.selected);
+    if (isOther) this.#on.hoverCone(next.hover);
+  }
+
+  /** Gives up the drag of a cone; false if there is none. */
+  cancelMove() {
+    return this.#hand.cancel();
+  }
+
+  /** Draws the cones where the scene has them: what was asked for was refused. */
+  dropCone() {
+    this.#viewer?.drop_cone();
+  }
+
+  /** What lies in the middle of the surface view, undefined where nothing does. */
+  middle() {
+    const { clientWidth: width, clientHeight: height } = this.#hosts[SURFACE];
+    return this.#scene ? this.#viewer?.pick(SURFACE, width / 2, height / 2) : undefined;
+  }
+
   /** Whether a drag over the surface moves it instead of turning it. */
   setPanTool(on) {
     this.#panTool = on;
@@ -126,7 +177,8 @@ export class Views {
   /** Draws the ring of the brush anew: its size has changed. */
   refreshBrush() {
     const at = this.#brushAt ?? this.#keyboardAt();
-    this.#viewer?.set_brush(at?.x ?? 0, at?.y ?? 0, this.#brush && at ? this.#brush.radius() : 0);
+    const radius = this.#brush ? this.#brush.radius() : this.#hand.adds() ? POINT : 0;
+    this.#viewer?.set_brush(at?.x ?? 0, at?.y ?? 0, at ? radius : 0);
   }
 
   /** Where the keyboard paints: in the middle. */
@@ -166,10 +218,9 @@ export class Views {
     const copy = h("canvas", { width: canvas.width, height: canvas.height });
     const context = copy.getContext("2d");
     context.drawImage(canvas, 0, 0);
-    if (view === FLAT) {
-      context.scale(canvas.width / width, canvas.height / height);
-      this.#writeNumbers(context);
-    }
+    context.scale(canvas.width / width, canvas.height / height);
+    if (view === FLAT) this.#writeNumbers(context);
+    this.#labels[view].write(context);
     this.#sizes[view] = "";
     this.#resize();
     this.#viewer.draw();
@@ -218,6 +269,7 @@ export class Views {
     viewer.set_theme(this.#flags.dark);
     viewer.set_checker(this.#flags.checker);
     viewer.set_wireframe(this.#flags.wireframe);
+    viewer.set_cone_marks(this.#marks.hover, this.#marks.selected);
     this.#viewer = viewer;
     this.#resize();
     if (this.#scene) viewer.set_scene(this.#scene);
@@ -272,11 +324,21 @@ export class Views {
       this.#on.taken();
     }
     this.#pick();
-    if (this.#brush) this.refreshBrush();
+    if (this.#brush || this.#hand.adds()) this.refreshBrush();
     if (!this.#viewer.draw()) return;
     this.#rebuilds = 0;
     this.#placeNumbers();
+    this.#placeLabels();
     this.#on.drawn();
+  }
+
+  #placeLabels() {
+    const angles = this.#scene?.cone_angles ?? [];
+    const marked = [this.#marks.hover, this.#marks.selected];
+    this.#labels.forEach((labels, view) => {
+      const numbers = angles.length > 0 ? this.#viewer.cone_labels(view) : [];
+      labels.show(numbers, angles, marked);
+    });
   }
 
   // The numbers of the pieces are text over the canvas, at a constant size.
@@ -314,13 +376,17 @@ export class Views {
     if (!at || !this.#scene) return;
     this.#pointerAt = null;
     if (this.#brush && at.view === SURFACE) return;
-    const patch = this.#viewer.pick(at.view, at.x, at.y)?.patch ?? -1;
+    const cone = this.#hand.at(at.view, at);
+    this.markCones({ hover: cone });
+    this.#hosts[at.view].classList.toggle("on-cone", cone >= 0);
+    // With the tool in hand the place matters, not the piece.
+    const patch = cone >= 0 || this.#hand.adds() ? -1 : (this.#viewer.pick(at.view, at.x, at.y)?.patch ?? -1);
     this.setHover(patch);
-    this.#showTip(patch < 0 ? null : at, patch);
+    if (cone >= 0) this.#showTip(at, this.#on.describeCone(cone));
+    else this.#showTip(at, patch < 0 ? [] : this.#on.describe(patch));
   }
 
-  #showTip(at, patch) {
-    const text = at === null ? [] : this.#on.describe(patch);
+  #showTip(at, text = []) {
     this.#tip.hidden = text.length === 0;
     if (text.length === 0) return;
     const host = this.#hosts[at.view];
@@ -338,6 +404,7 @@ export class Views {
     this.#pointerAt = null;
     this.#showTip(null);
     this.setHover(-1);
+    this.markCones({ hover: -1 });
   }
 
   #listen(host, view) {
@@ -368,7 +435,13 @@ export class Views {
       host.setPointerCapture(event.pointerId);
       pointers.set(event.pointerId, place(event));
       this.#canvas(view)?.focus({ preventScroll: true });
-      if (view === SURFACE && this.#brush) this.#brushAt = place(event);
+      if (view === SURFACE && (this.#brush || this.#hand.adds())) this.#brushAt = place(event);
+      if (pointers.size > 1) this.#hand.cancel();
+      else if (!(this.#brush && view === SURFACE) && this.#hand.down(view, place(event), event)) {
+        this.#showTip(null);
+        host.classList.add("dragging");
+        return;
+      }
       if (pointers.size === 1 && paints(event)) {
         if (event.pointerType === "touch") touched = place(event);
         else if (paint(place(event), event, true)) {
@@ -384,7 +457,7 @@ export class Views {
     host.addEventListener("pointermove", (event) => {
       const at = place(event);
       const before = pointers.get(event.pointerId);
-      if (view === SURFACE && this.#brush) this.#brushAt = at;
+      if (view === SURFACE && (this.#brush || this.#hand.adds())) this.#brushAt = at;
       if (!before) {
         this.#pointerAt = at;
         return;
@@ -395,7 +468,7 @@ export class Views {
         touched = null;
       }
       pointers.set(event.pointerId, at);
-      if (!this.#viewer) return;
+      if (!this.#viewer || this.#hand.move(at, event)) return;
       if (painter === event.pointerId && this.#brush) {
         for (const part of event.getCoalescedEvents?.() ?? []) paint(place(part), event, false);
         paint(at, event, false);
@@ -417,6 +490,8 @@ export class Views {
     const release = (event) => {
       if (touched && this.#brush && event.type === "pointerup") paint(touched, event, true);
       [painter, touched] = [null, null];
+      if (event.type === "pointerup") this.#hand.up(event);
+      else this.#hand.cancel();
       if (event.pointerType === "touch") this.#brushAt = null;
       pointers.delete(event.pointerId);
       if (pointers.size === 0) host.classList.remove("dragging");
@@ -428,7 +503,7 @@ export class Views {
       if (event.pointerType === "mouse" && pointers.size === 0) this.#leave();
     });
     host.addEventListener("contextmenu", (event) => event.preventDefault());
-    host.addEventListener("dblclick", () => this.#brush || this.fit(view));
+    host.addEventListener("dblclick", () => this.#brush || this.#hand.adds() || this.fit(view));
     host.addEventListener(
       "wheel",
       (event) => {
@@ -450,6 +525,9 @@ export class Views {
       else if (zoom) this.#viewer.zoom(view, zoom, host.clientWidth / 2, host.clientHeight / 2);
       else if (event.key === "Enter" && view === SURFACE && this.#brush) {
         paint({ x: host.clientWidth / 2, y: host.clientHeight / 2 }, event, true);
+      } else if (event.key === "Enter" && view === SURFACE && this.#hand.adds()) {
+        const pick = this.middle();
+        if (pick) this.#on.addCone(pick);
       }
       else if (event.key === "f" || event.key === "F") this.fit(view);
       else return;

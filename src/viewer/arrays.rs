@@ -82,6 +82,14 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
     length("rim_partners", scene.rim_partners.len(), segments)?;
     length("mark_points", scene.mark_points.len(), scene.mark_points.len() / 3 * 3)?;
     length("mark_segments", scene.mark_segments.len(), scene.mark_segments.len() / 6 * 6)?;
+    let cones = scene.cone_points.len() / 3;
+    length("cone_points", scene.cone_points.len(), 3 * cones)?;
+    length("cone_angles", scene.cone_angles.len(), cones)?;
+    length("cone_charts", scene.cone_charts.len(), scene.cone_charts.len() / 2 * 2)?;
+    for &[vertex, cone] in scene.cone_charts.as_chunks().0 {
+        indices("cone_charts", &[vertex], vertices, false)?;
+        indices("cone_charts", &[cone], cones, false)?;
+    }
     indices("vertex_patches", &scene.vertex_patches, scene.patches.len(), false)?;
     indices("triangles", &scene.triangles, vertices, false)?;
     indices("rims", &scene.rims, vertices, false)?;
@@ -89,7 +97,9 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
     finite("positions", &scene.positions)?;
     finite("normals", &scene.normals)?;
     finite("mark_points", &scene.mark_points)?;
-    finite("mark_segments", &scene.mark_segments)
+    finite("mark_segments", &scene.mark_segments)?;
+    finite("cone_points", &scene.cone_points)?;
+    finite("cone_angles", &scene.cone_angles)
 }
 
 /// The triangles of a scene.
@@ -469,8 +479,24 @@ mod tests {
         let error = SceneError::Length { array: "normals", found: 23, expected: 24 };
         assert_eq!(check(&scene), Err(error));
 
-        let mut scene = good;
+        let mut scene = good.clone();
         scene.positions[5] = f32::INFINITY;
         assert_eq!(check(&scene), Err(SceneError::NotFinite { array: "positions", at: 5 }));
+
+        let cones = Scene {
+            cone_points: vec![0.0; 3],
+            cone_angles: vec![1.0],
+            cone_charts: vec![1, 0, 4, 0],
+            ..good
+        };
+        assert_eq!(check(&cones), Ok(()));
+        let error = SceneError::Length { array: "cone_angles", found: 1, expected: 2 };
+        assert_eq!(check(&Scene { cone_points: vec![0.0; 6], ..cones.clone() }), Err(error));
+        let error = SceneError::Index { array: "cone_charts", index: 1, count: 1 };
+        assert_eq!(check(&Scene { cone_charts: vec![0, 1], ..cones.clone() }), Err(error));
+        let error = SceneError::Length { array: "cone_charts", found: 3, expected: 2 };
+        assert_eq!(check(&Scene { cone_charts: vec![0, 0, 0], ..cones.clone() }), Err(error));
+        let error = SceneError::NotFinite { array: "cone_angles", at: 0 };
+        assert_eq!(check(&Scene { cone_angles: vec![f32::NAN], ..cones }), Err(error));
     }
 }

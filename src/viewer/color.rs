@@ -91,15 +91,25 @@ pub fn region(index: u8) -> Rgb {
 
 /// The RGBA bytes of a colour map over its range, interpolated in OKLab: `size` pixels.
 pub fn ramp(signed: bool, size: usize) -> Vec<u8> {
-    let stops =
-        if signed { &DIVERGING } else { &SEQUENTIAL }.map(|hex| Rgb::from_hex(hex).to_oklab());
-    let at = |pixel: usize| {
-        let x = pixel as f32 / (size - 1) as f32 * (stops.len() - 1) as f32;
-        let left = (x as usize).min(stops.len() - 2);
-        let t = x - left as f32;
-        Rgb::from_oklab([0, 1, 2].map(|i| stops[left][i] * (1.0 - t) + stops[left + 1][i] * t))
-    };
+    let stops = oklab_stops(if signed { &DIVERGING } else { &SEQUENTIAL });
+    let at = |pixel: usize| between(&stops, pixel as f32 / (size - 1) as f32);
     (0..size).flat_map(|pixel| at(pixel).bytes()).collect()
+}
+
+/// The colour at `place` of the diverging map, 0 to 1.
+pub fn diverging(place: f32) -> Rgb {
+    between(&oklab_stops(&DIVERGING), place.clamp(0.0, 1.0))
+}
+
+fn oklab_stops(table: &[u32; 9]) -> [[f32; 3]; 9] {
+    table.map(|hex| Rgb::from_hex(hex).to_oklab())
+}
+
+fn between(stops: &[[f32; 3]; 9], place: f32) -> Rgb {
+    let x = place * (stops.len() - 1) as f32;
+    let left = (x as usize).min(stops.len() - 2);
+    let t = x - left as f32;
+    Rgb::from_oklab([0, 1, 2].map(|i| stops[left][i] * (1.0 - t) + stops[left + 1][i] * t))
 }
 
 /// Where `value` lies on the map over `range`, 0 to 1; [`NO_VALUE`] for NaN.

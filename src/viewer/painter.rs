@@ -2,6 +2,7 @@
 
 use super::arrays::{self, CHART_STRIDE, GEOMETRY_STRIDE, PAINT_STRIDE, RIBBON_STRIDE};
 use super::color::{CASING, CUT, NEUTRAL, Rgb, WARNING};
+use super::cones::{self, GLYPH_STRIDE};
 use super::occlusion::{SHADOW_PIXELS, SHADOW_REACH};
 use super::stage::{Part, RAMP_PIXELS, Stage, View};
 use glam::UVec2;
@@ -10,6 +11,7 @@ use wgpu::{VertexFormat as Format, VertexStepMode as Step};
 const FRAME_SHADER: &str = include_str!("frame.wgsl");
 const MESH_SHADER: &str = include_str!("mesh.wgsl");
 const RIBBON_SHADER: &str = include_str!("ribbon.wgsl");
+const CONE_SHADER: &str = include_str!("cone.wgsl");
 const GROUND_SHADER: &str = include_str!("ground.wgsl");
 
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
@@ -36,10 +38,11 @@ enum Look {
     BrushEdge,
     Brush,
     BrushBehind,
+    Cone,
 }
 
 impl Look {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::Wire,
         Self::Casing,
         Self::Cut,
@@ -52,6 +55,7 @@ impl Look {
         Self::BrushEdge,
         Self::Brush,
         Self::BrushBehind,
+        Self::Cone,
     ];
 
     /// Colour, opacity, width in CSS pixels.
@@ -70,6 +74,7 @@ impl Look {
             Self::BrushEdge => (CASING, 0.8, 4.4),
             Self::Brush => (CUT, 1.0, 2.0),
             Self::BrushBehind => (CUT, 0.25, 2.0),
+            Self::Cone => (accent, 1.0, 0.0),
         }
     }
 
@@ -81,9 +86,14 @@ impl Look {
         let lift = 3.0;
         // A casing fades earlier, since along an outline it would be a halo on the ground.
         let whole_from = if matches!(self, Self::Casing) { 0.3 } else { 0.03 };
+        let shape = if matches!(self, Self::Cone) {
+            [cones::RINGS[0], cones::RINGS[1], cones::LIFT, cones::TURNED]
+        } else {
+            [width / 2.0, is_band, lift, whole_from]
+        };
         let mut bytes = Vec::with_capacity(STYLE_STRIDE as usize);
         arrays::push_floats(&mut bytes, &arrays::opaque(colour, opacity));
-        arrays::push_floats(&mut bytes, &[width / 2.0, is_band, lift, whole_from]);
+        arrays::push_floats(&mut bytes, &shape);
         bytes.resize(STYLE_STRIDE as usize, 0);
         bytes
     }
@@ -113,11 +123,13 @@ enum Pipelines {
         mesh: wgpu::RenderPipeline,
         ribbon: wgpu::RenderPipeline,
         ribbon_behind: wgpu::RenderPipeline,
+        cone: wgpu::RenderPipeline,
     },
     Flat {
         chart: wgpu::RenderPipeline,
         flipped: wgpu::RenderPipeline,
         ribbon: wgpu::RenderPipeline,
+        cone: wgpu::RenderPipeline,
     },
 }
 
@@ -238,7 +250,7 @@ impl Painter {
             // All pipelines share one layout, so those without a style have one as well.
             pass.set_bind_group(1, &self.style_group, &[0]);
             match &self.pipelines {
-                Pipelines::Surface { ground, mesh, ribbon, ribbon_behind } => {
+                Pipelines::Surface { ground, mesh, ribbon, ribbon_behind, cone } => {
                     pass.set_pipeline(ground);
                     pass.draw(0..4, 0..1);
                     pass.set_pipeline(mesh);
@@ -251,6 +263,8 @@ impl Painter {
                     self.draw_ribbons(&mut pass, Part::Cuts, Look::Casing);
                     self.draw_ribbons(&mut pass, Part::Cuts, Look::Cut);
                     self.draw_ribbons(&mut pass, Part::Outline, Look::Outline);
+                    pass.set_pipeline(cone);
+                    self.draw_cones(&mut pass, Part::Cones);
                     pass.set_pipeline(ribbon_behind);
                     self.draw_ribbons(&mut pass, Part::Brush, Look::BrushBehind);
                     self.draw_ribbons(&mut pass, Part::MarkSegments, Look::MarkLineBehind);
@@ -261,7 +275,7 @@ impl Painter {
                     self.draw_ribbons(&mut pass, Part::Brush, Look::BrushEdge);
                     self.draw_ribbons(&mut pass, Part::Brush, Look::Brush);
                 }
-                Pipelines::Flat { chart, flipped, ribbon } => {
+                Pipelines::Flat { chart, flipped, ribbon, cone } => {
                     let corners = [Part::Paint, Part::Charts];
                     pass.set_pipeline(chart);
                     self.draw_triangles(&mut pass, &corners, Part::ChartTriangles);
@@ -280,6 +294,8 @@ impl Painter {
                     }
                     self.draw_ribbons(&mut pass, Part::ChartRims, Look::Cut);
                     self.draw_ribbons(&mut pass, Part::ChartOutline, Look::Outline);
+                    pass.set_pipeline(cone);
+                    self.draw_cones(&mut pass, Part::ChartCones);
                 }
             }
         }
@@ -300,6 +316,7 @@ impl Painter {
                     Part::MarkPoints,
                     Part::MarkSegments,
                     Part::Brush,
+                    Part::Cones,
                 ],
                 Part::Wires,
             ),
@@ -311,6 +328,7 @@ impl Painter {
                     Part::FlippedTriangles,
                     Part::ChartRims,
                     Part::ChartOutline,
+                    Part::ChartCones,
                 ],
                 Part::ChartWires,
             ),
@@ -336,6 +354,14 @@ impl Painter {
         pass.set_bind_group(1, &self.style_group, &[look as u32 * STYLE_STRIDE]);
         pass.set_vertex_buffer(0, buffer.slice(..ribbons.bytes));
         pass.draw(0..4, 0..count(ribbons.bytes, RIBBON_STRIDE));
+    }
+
+    fn draw_cones(&self, pass: &mut wgpu::RenderPass, part: Part) {
+        let glyphs = &self.copies[part as usize];
+        let Some(buffer) = glyphs.buffer.as_ref().filter(|_| glyphs.bytes > 0) else { return };
+        pass.set_bind_group(1, &self.style_group, &[Look::Cone as u32 * STYLE_STRIDE]);
+        pass.set_vertex_buffer(0, buffer.slice(..glyphs.bytes));
+        pass.draw(0..4, 0..count(glyphs.bytes, GLYPH_STRIDE));
     }
 
     fn prepare_targets(&mut self, size: UVec2) {
@@ -590,6 +616,14 @@ const RIBBON: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
     ],
 };
 
+const GLYPH: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
+    array_stride: GLYPH_STRIDE,
+    step_mode: Step::Instance,
+    attributes: &wgpu::vertex_attr_array![
+        0 => Float32x3, 1 => Float32, 2 => Snorm8x4, 3 => Unorm8x4, 4 => Unorm8x4
+    ],
+};
+
 impl Maker<'_> {
     fn make(&self, view: View) -> Pipelines {
         let mesh = self.shader("mesh", MESH_SHADER);
@@ -598,6 +632,15 @@ impl Maker<'_> {
             shader: &ribbon,
             entries: ["ribbon_vertex", "ribbon_fragment"],
             buffers: &[Some(RIBBON)],
+            is_strip: true,
+            is_blended: true,
+            depth,
+        };
+        let cone = self.shader("cone", CONE_SHADER);
+        let glyphs = |depth| Recipe {
+            shader: &cone,
+            entries: ["cone_vertex", "cone_fragment"],
+            buffers: &[Some(GLYPH)],
             is_strip: true,
             is_blended: true,
             depth,
@@ -626,6 +669,7 @@ impl Maker<'_> {
                     }),
                     ribbon: self.pipeline(ribbons(Some((nearer, false)))),
                     ribbon_behind: self.pipeline(ribbons(Some((always, false)))),
+                    cone: self.pipeline(glyphs(Some((nearer, false)))),
                 }
             }
             View::Flat => {
@@ -641,6 +685,7 @@ impl Maker<'_> {
                     chart: self.pipeline(charts("chart_fragment")),
                     flipped: self.pipeline(charts("flipped_fragment")),
                     ribbon: self.pipeline(ribbons(None)),
+                    cone: self.pipeline(glyphs(None)),
                 }
             }
         }
@@ -706,9 +751,12 @@ mod tests {
 
     #[test]
     fn every_shader_is_valid_without_any_capability_beyond_webgl2() {
-        for (name, source) in
-            [("mesh", MESH_SHADER), ("ribbon", RIBBON_SHADER), ("ground", GROUND_SHADER)]
-        {
+        for (name, source) in [
+            ("mesh", MESH_SHADER),
+            ("ribbon", RIBBON_SHADER),
+            ("cone", CONE_SHADER),
+            ("ground", GROUND_SHADER),
+        ] {
             let source = [FRAME_SHADER, source].concat();
             let module = naga::front::wgsl::parse_str(&source)
                 .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
@@ -745,7 +793,7 @@ mod tests {
     #[test]
     fn no_vertex_is_wider_than_webgl2_allows() {
         let limits = wgpu::Limits::downlevel_webgl2_defaults();
-        for layout in [GEOMETRY, PAINT, CHART, RIBBON] {
+        for layout in [GEOMETRY, PAINT, CHART, RIBBON, GLYPH] {
             assert!(layout.array_stride <= u64::from(limits.max_vertex_buffer_array_stride));
             let end = layout.attributes.iter().map(|a| a.offset + a.format.size()).max();
             assert_eq!(end, Some(layout.array_stride));

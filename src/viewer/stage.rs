@@ -8,6 +8,7 @@ use super::arrays::{self, NONE, RimChoice, SceneError};
 use super::brush::{self, Stroke};
 use super::camera::{Orbit, Projection, Ray, Sheet, Viewport};
 use super::color::{self, Theme};
+use super::cones::{self, Drag, Glyph, Marks};
 use super::occlusion::{self, Occlusion};
 use super::pick::{Hierarchy, Hit};
 use crate::session::scene::{PatchScene, Scene};
@@ -19,6 +20,8 @@ const NUMBER_ROOM: f32 = 9.0;
 /// pieces. Twice as many are a texture at the size of a laptop's window, half as many show too little of a
 /// chart's change of scale.
 const CHECKER_CELLS: f32 = 35.0;
+/// Cones of the surface view that may have a label: more would hide the surface.
+const CONE_LABELS: usize = 48;
 /// Pixels of the colour map.
 pub const RAMP_PIXELS: usize = 256;
 
@@ -71,6 +74,10 @@ pub enum Part {
     Ramp,
     /// The ring of the brush.
     Brush,
+    /// Cones on the surface.
+    Cones,
+    /// Cones on the sheet.
+    ChartCones,
     /// The shadow on the ground.
     Shadow,
 }
@@ -116,6 +123,9 @@ pub struct Stage {
     /// Where the brush lies; empty where it does not.
     ring: Vec<Vec3>,
     stroke: Option<Stroke>,
+    cone_marks: Marks,
+    /// The cone that is on its way to another place.
+    drag: Option<Drag>,
     stamps: [u64; Part::COUNT],
     dirty: [bool; 2],
 }
@@ -140,6 +150,8 @@ impl Default for Stage {
             hover: NONE,
             ring: Vec::new(),
             stroke: None,
+            cone_marks: Marks::default(),
+            drag: None,
             stamps: [1; Part::COUNT],
             dirty: [true; 2],
         }
@@ -163,6 +175,9 @@ impl Stage {
         let field = old.field != new.field;
         let values = field || !same_values(&old.values, &new.values);
         let marks = old.mark_points != new.mark_points || old.mark_segments != new.mark_segments;
+        let cones = old.cone_points != new.cone_points
+            || old.cone_angles != new.cone_angles
+            || old.cone_charts != new.cone_charts;
         // A viewer may miss the very first scene of a mesh: a count that falls tells as well.
         let is_first = new.revision == 0 || new.revision < old.revision;
         let is_new_mesh = is_first || self.occlusion.is_none();
@@ -186,6 +201,11 @@ impl Stage {
         self.stamp(charts || rims || patches, &[Part::ChartRims, Part::ChartOutline]);
         self.stamp(marks, &[Part::MarkPoints, Part::MarkSegments]);
         self.stamp(field, &[Part::Ramp]);
+        self.stamp(cones || rims || places || triangles, &[Part::Cones]);
+        self.stamp(cones || charts, &[Part::ChartCones]);
+        if cones || is_new_mesh {
+            self.drag = None;
+        }
         if places || triangles {
             self.hierarchies[View::Surface as usize] = None;
         }
@@ -256,6 +276,7 @@ impl Stage {
         }
         self.viewports[view as usize] = viewport;
         self.dirty[view as usize] = true;
+        self.stamp(true, &[Part::Cones, Part::ChartCones]);
         if viewport.is_empty() {
             return;
         }
@@ -346,11 +367,30 @@ impl Stage {
             return None;
         }
         self.dirty[view as usize] = true;
+        // What hides a cone depends on where one looks from.
+        self.stamp(view == View::Surface, &[Part::Cones]);
         Some(viewport)
     }
 
     /// What lies under a place of the screen.
     pub fn pick(&mut self, view: View, css: Vec2) -> Option<Pick> {
+        let hit = self.hit(view, css)?;
+        Some(self.pick_of(hit))
+    }
+
+    fn pick_of(&self, hit: Hit) -> Pick {
+        let scene = &self.scene;
+        let corners = arrays::triangles(scene)[hit.triangle as usize];
+        Pick {
+            patch: scene.vertex_patches[corners[0] as usize],
+            triangle: hit.triangle,
+            face: scene.triangle_faces[hit.triangle as usize],
+            place: self.on_surface(hit),
+        }
+    }
+
+    /// The triangle under a place of the screen.
+    fn hit(&mut self, view: View, css: Vec2) -> Option<Hit> {
         let viewport = self.viewport(view);
         if viewport.is_empty() || !css.is_finite() {
             return None;
@@ -362,15 +402,7 @@ impl Stage {
                 Ray { origin, direction: Vec3::NEG_Z }
             }
         };
-        let hit = self.cast(view, ray)?;
-        let scene = &self.scene;
-        let corners = arrays::triangles(scene)[hit.triangle as usize];
-        Some(Pick {
-            patch: scene.vertex_patches[corners[0] as usize],
-            triangle: hit.triangle,
-            face: scene.triangle_faces[hit.triangle as usize],
-            place: self.on_surface(hit),
-        })
+        self.cast(view, ray)
     }
 
     /// What a ray meets in a view.
@@ -438,6 +470,133 @@ impl Stage {
         });
         self.stroke = Some(stroke);
         dabs
+    }
+
+    /// Marks cones in both views.
+    pub fn set_cone_marks(&mut self, marks: Marks) {
+        if marks != self.cone_marks {
+            self.cone_marks = marks;
+            self.redraw_cones();
+        }
+    }
+
+    fn redraw_cones(&mut self) {
+        self.stamp(true, &[Part::Cones, Part::ChartCones]);
+        self.dirty = [true; 2];
+    }
+
+    fn glyphs(&self, view: View) -> Vec<Glyph> {
+        match view {
+            View::Surface => cones::on_surface(&self.scene, self.drag),
+            View::Flat => cones::on_charts(&self.scene, self.drag),
+        }
+    }
+
+    /// The glyphs of the surface view without those that the surface hides, as far as it is worth to look at each.
+    fn glyphs_in_sight(&mut self) -> Vec<Glyph> {
+        let mut glyphs = self.glyphs(View::Surface);
+        glyphs.sort_by(|a, b| {
+            let size = |glyph: &Glyph| cones::angle(&self.scene, glyph.cone).abs();
+            size(b).total_cmp(&size(a))
+        });
+        let far = glyphs.split_off(glyphs.len().min(cones::LOOKED_AT));
+        glyphs.retain_mut(|glyph| {
+            glyph.is_seen = self.glyph_on_screen(View::Surface, glyph).is_some();
+            glyph.is_seen
+        });
+        glyphs.extend(far);
+        glyphs
+    }
+
+    /// Where a glyph is seen, and the radius of its disc, in CSS pixels; none where the surface hides it.
+    fn glyph_on_screen(&mut self, view: View, glyph: &Glyph) -> Option<(Vec2, f32)> {
+        let (projection, viewport) = (self.projection(view), self.viewport(view));
+        let angle = cones::angle(&self.scene, glyph.cone);
+        let css = cones::to_screen(glyph.place, &projection, viewport)?;
+        if view == View::Surface {
+            let direction = glyph.place - projection.eye;
+            let is_behind =
+                |hit: Hit| hit.distance < 1.0 - cones::dent(angle, &projection, viewport);
+            let ray = Ray { origin: projection.eye, direction };
+            let is_turned = !cones::faces(glyph, projection.eye);
+            if is_turned || self.cast(view, ray).is_some_and(is_behind) {
+                return None;
+            }
+        }
+        Some((css, cones::radius(angle, viewport)))
+    }
+
+    /// The cone whose glyph is seen within `slop` CSS pixels of a place of the screen, the nearest of several.
+    pub fn pick_cone(&mut self, view: View, css: Vec2, slop: f32) -> Option<u32> {
+        let (projection, viewport) = (self.projection(view), self.viewport(view));
+        if viewport.is_empty() || !css.is_finite() {
+            return None;
+        }
+        let mut near: Vec<(f32, Glyph)> = self
+            .glyphs(view)
+            .into_iter()
+            .filter_map(|glyph| {
+                let distance = cones::to_screen(glyph.place, &projection, viewport)?.distance(css);
+                let reach = cones::radius(cones::angle(&self.scene, glyph.cone), viewport) + slop;
+                (distance <= reach).then_some((distance, glyph))
+            })
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        near.into_iter()
+            .map(|(_, glyph)| glyph)
+            .find(|glyph| self.glyph_on_screen(view, glyph).is_some())
+            .map(|glyph| glyph.cone)
+    }
+
+    /// Draws a cone at a place of the screen, until a scene has other cones or it is dropped.
+    ///
+    /// **Gives** what lies there; where there is nothing, the cone stays where it was drawn last.
+    pub fn drag_cone(&mut self, cone: u32, view: View, css: Vec2) -> Option<Pick> {
+        let hit = self.hit(view, css)?;
+        let pick = self.pick_of(hit);
+        let corners = arrays::triangles(&self.scene)[pick.triangle as usize];
+        let weighted = |place: &dyn Fn(u32) -> Vec3| -> Vec3 {
+            corners.into_iter().zip(hit.weights).map(|(v, weight)| place(v) * weight).sum()
+        };
+        let normal = weighted(&|vertex| arrays::normal(&self.scene, vertex));
+        let chart = weighted(&|vertex| arrays::chart(&self.scene, vertex)).truncate();
+        self.drag = Some(Drag { cone, place: pick.place, normal, chart });
+        self.redraw_cones();
+        Some(pick)
+    }
+
+    /// Draws all cones where the scene has them again.
+    pub fn drop_cone(&mut self) {
+        if self.drag.take().is_some() {
+            self.redraw_cones();
+        }
+    }
+
+    /// `[cone, x, y, radius]` in CSS pixels of the glyphs that are seen and may have a label, the most important first:
+    /// marked ones, then, on the surface, the largest.
+    pub fn cone_labels(&mut self, view: View) -> Vec<[f32; 4]> {
+        let viewport = self.viewport(view);
+        let marks = self.cone_marks;
+        let is_marked = |glyph: &Glyph| [marks.hover, marks.selected].contains(&glyph.cone);
+        let mut glyphs = self.glyphs(view);
+        glyphs.sort_by(|a, b| {
+            let size = |glyph: &Glyph| cones::angle(&self.scene, glyph.cone).abs();
+            is_marked(b).cmp(&is_marked(a)).then(size(b).total_cmp(&size(a)))
+        });
+        let most = if view == View::Surface { CONE_LABELS } else { 0 };
+        let mut labels = Vec::new();
+        for (i, glyph) in glyphs.iter().enumerate() {
+            if i >= most && !is_marked(glyph) {
+                break;
+            }
+            if let Some((css, radius)) = self.glyph_on_screen(view, glyph)
+                && css.cmpge(Vec2::ZERO).all()
+                && css.cmple(viewport.size).all()
+            {
+                labels.push([glyph.cone as f32, css.x, css.y, radius]);
+            }
+        }
+        labels
     }
 
     /// For each patch the place of its number on the flattened view and the diameter of the room
@@ -542,6 +701,16 @@ impl Stage {
             Part::MarkPoints => arrays::mark_point_ribbons(scene),
             Part::MarkSegments => arrays::mark_segment_ribbons(scene),
             Part::Brush => arrays::ring_ribbons(&self.ring),
+            Part::Cones => {
+                let glyphs = self.glyphs_in_sight();
+                cones::bytes(&self.scene, glyphs, self.cone_marks, self.viewport(View::Surface))
+            }
+            Part::ChartCones => cones::bytes(
+                scene,
+                self.glyphs(View::Flat),
+                self.cone_marks,
+                self.viewport(View::Flat),
+            ),
             Part::Ramp => match &scene.field {
                 Some(field) if arrays::is_labels(field) => color::label_ramp(RAMP_PIXELS),
                 field => color::ramp(field.as_ref().is_some_and(|f| f.signed), RAMP_PIXELS),
@@ -605,8 +774,9 @@ mod tests {
         assert!(stage.shows_field());
 
         scene.positions[2] = 0.125;
-        let moved =
-            [Part::Geometry, Part::Cuts, Part::Outline, Part::Wires].map(|part| part as usize);
+        // What hides a cone lies elsewhere as well.
+        let moved = [Part::Geometry, Part::Cuts, Part::Outline, Part::Wires, Part::Cones]
+            .map(|part| part as usize);
         assert_eq!(changed(&mut stage, scene.clone()), moved);
 
         stage.set_hover(Some(1));
@@ -689,6 +859,92 @@ mod tests {
         assert!(dabs.iter().all(|dab| (dab.place.length() - 1.0).abs() < 0.03));
         assert_eq!(stage.stroke(Vec2::new(3.0, 3.0), 0.1, true), []);
         assert_eq!(stage.stroke(Vec2::NAN, 0.1, false), []);
+    }
+
+    /// The ball with a cone at each pole: one looks at the eye from above the middle, one is behind.
+    fn ball_with_cones() -> Scene {
+        let ball = unit_ball(3, 0);
+        let at = |place: Vec3| {
+            let points: &[[f32; 3]] = ball.positions.as_chunks().0;
+            (0..)
+                .zip(points)
+                .find(|(_, p)| Vec3::from_array(**p).distance(place) < 1e-5)
+                .expect("a pole")
+                .0
+        };
+        Scene {
+            cone_points: vec![0.0, 0.0, 1.0, 0.0, 0.0, -1.0],
+            cone_angles: vec![1.0, -2.0],
+            cone_charts: vec![at(Vec3::Z), 0, at(Vec3::NEG_Z), 1],
+            ..ball
+        }
+    }
+
+    #[test]
+    fn a_cone_is_picked_where_it_is_seen_and_not_through_the_surface() {
+        let mut stage = stage(ball_with_cones());
+        let (projection, viewport) =
+            (stage.projection(View::Surface), stage.viewport(View::Surface));
+        let near = cones::to_screen(Vec3::Z, &projection, viewport).expect("in front");
+        let far = cones::to_screen(Vec3::NEG_Z, &projection, viewport).expect("in front");
+        assert_eq!(stage.pick_cone(View::Surface, near + Vec2::new(3.0, 0.0), 2.0), Some(0));
+        assert_eq!(stage.pick_cone(View::Surface, near + Vec2::new(30.0, 0.0), 2.0), None);
+        assert_eq!(stage.pick_cone(View::Surface, far, 2.0), None);
+        assert_eq!(stage.pick_cone(View::Surface, Vec2::NAN, 2.0), None);
+        // It has no charts.
+        assert_eq!(stage.pick_cone(View::Flat, near, 500.0), None);
+        let labels = stage.cone_labels(View::Surface);
+        assert_eq!(labels.len(), 1, "the cone behind has no label: {labels:?}");
+        assert_eq!(stage.bytes(Part::Cones).len(), 28, "and no glyph");
+        assert!(labels[0][0] == 0.0 && Vec2::new(labels[0][1], labels[0][2]).distance(near) < 1e-3);
+    }
+
+    #[test]
+    fn a_cone_behind_comes_into_sight_as_the_surface_turns() {
+        let mut stage = stage(ball_with_cones());
+        let front = stage.bytes(Part::Cones);
+        let stamp = stage.stamp_of(Part::Cones);
+        // Half a turn for the shorter side of the view.
+        stage.rotate(Vec2::new(300.0, 0.0));
+        assert_ne!(stage.stamp_of(Part::Cones), stamp);
+        let back = stage.bytes(Part::Cones);
+        assert!(back.len() == 28 && back != front, "the other cone alone");
+        assert_eq!(stage.cone_labels(View::Surface)[0][0], 1.0);
+    }
+
+    #[test]
+    fn a_dragged_cone_follows_and_returns_when_it_is_dropped() {
+        let mut stage = stage(ball_with_cones());
+        let still = stage.bytes(Part::Cones);
+        let pick = stage.drag_cone(0, View::Surface, Vec2::new(250.0, 150.0)).expect("the ball");
+        assert_eq!(stage.glyphs(View::Surface)[0].place, pick.place);
+        assert_eq!(stage.drag_cone(0, View::Surface, Vec2::new(3.0, 3.0)), None);
+        assert_ne!(
+            stage.bytes(Part::Cones),
+            still,
+            "beside the surface it stays where it was last"
+        );
+        // A scene that says nothing new of the cones leaves the hand alone.
+        stage.set_scene(Scene { revision: 1, ..ball_with_cones() }).expect("a good scene");
+        assert_ne!(stage.bytes(Part::Cones), still);
+        stage.drop_cone();
+        assert_eq!(stage.bytes(Part::Cones), still);
+        stage.drag_cone(0, View::Surface, Vec2::new(250.0, 150.0));
+        let mut moved = Scene { revision: 2, ..ball_with_cones() };
+        moved.cone_points[0] = 0.25;
+        stage.set_scene(moved).expect("a good scene");
+        assert!((stage.glyphs(View::Surface)[0].place.x - 0.25).abs() < 1e-6);
+    }
+
+    #[test]
+    fn marks_on_cones_are_drawn_once_and_come_first_among_labels() {
+        let mut stage = stage(ball_with_cones());
+        let stamp = stage.stamp_of(Part::ChartCones);
+        let marks = Marks { selected: 0, ..Marks::default() };
+        stage.set_cone_marks(marks);
+        stage.set_cone_marks(marks);
+        assert_eq!(stage.stamp_of(Part::ChartCones), stamp + 1);
+        assert!(!stage.cone_labels(View::Surface).is_empty());
     }
 
     #[test]

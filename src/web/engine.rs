@@ -132,6 +132,8 @@ fn scene_object(scene: &Scene) -> Result<JsValue, JsValue> {
         ("values", &scene.values),
         ("mark_points", &scene.mark_points),
         ("mark_segments", &scene.mark_segments),
+        ("cone_points", &scene.cone_points),
+        ("cone_angles", &scene.cone_angles),
     ] {
         set(&object, key, &Float32Array::from(values.as_slice()))?;
     }
@@ -141,6 +143,7 @@ fn scene_object(scene: &Scene) -> Result<JsValue, JsValue> {
         ("triangle_faces", &scene.triangle_faces),
         ("rims", &scene.rims),
         ("rim_partners", &scene.rim_partners),
+        ("cone_charts", &scene.cone_charts),
     ] {
         set(&object, key, &Uint32Array::from(values.as_slice()))?;
     }

@@ -3,8 +3,10 @@
 #![expect(clippy::cast_possible_truncation, reason = "JavaScript has f64 alone; `as` saturates")]
 
 use crate::session::scene::{FieldScene, PatchScene, Scene};
+use crate::viewer::arrays::NONE;
 use crate::viewer::camera::Viewport;
 use crate::viewer::canvas::{Backend, Canvas};
+use crate::viewer::cones::Marks;
 use crate::viewer::stage::{Pick, Stage, View};
 use glam::Vec2;
 use js_sys::{Array, Float32Array, Object, Reflect, Uint32Array};
@@ -124,6 +126,36 @@ impl Viewer {
         self.stage.stroke(Vec2::new(x, y), radius, begins).into_iter().map(pick_object).collect()
     }
 
+    /// Marks the cone under the pointer and the chosen one in both views; -1 for none.
+    pub fn set_cone_marks(&mut self, hover: i32, selected: i32) {
+        let [hover, selected] = [hover, selected].map(|cone| u32::try_from(cone).unwrap_or(NONE));
+        self.stage.set_cone_marks(Marks { hover, selected });
+    }
+
+    /// The cone whose glyph is seen within `slop` pixels of a place, -1 for none.
+    pub fn pick_cone(&mut self, view: u32, x: f32, y: f32, slop: f32) -> i32 {
+        let cone = self.stage.pick_cone(at(view), Vec2::new(x, y), slop);
+        cone.and_then(|cone| i32::try_from(cone).ok()).unwrap_or(-1)
+    }
+
+    /// Draws a cone at a place of a view until the next scene moves it or [`Viewer::drop_cone`] is called. Gives what
+    /// lies there, as `pick` does, undefined where there is nothing; then the cone stays where it was drawn last.
+    pub fn drag_cone(&mut self, cone: u32, view: u32, x: f32, y: f32) -> JsValue {
+        let pick = self.stage.drag_cone(cone, at(view), Vec2::new(x, y));
+        pick.map_or(JsValue::UNDEFINED, pick_object)
+    }
+
+    /// Draws all cones where the scene has them again.
+    pub fn drop_cone(&mut self) {
+        self.stage.drop_cone();
+    }
+
+    /// `[cone, x, y, radius]` of glyphs that are seen and may have a label, the most important first: marked ones, then,
+    /// on the surface, the largest.
+    pub fn cone_labels(&mut self, view: u32) -> Vec<f32> {
+        self.stage.cone_labels(at(view)).concat()
+    }
+
     /// `[x, y, z]` of the eye in the frame of the scene, whose surface fits the unit ball.
     pub fn eye(&self) -> Vec<f32> {
         self.stage.eye().to_array().to_vec()
@@ -206,6 +238,9 @@ fn read_scene(object: &JsValue) -> Result<Scene, JsError> {
         },
         mark_points: floats("mark_points")?,
         mark_segments: floats("mark_segments")?,
+        cone_points: floats("cone_points")?,
+        cone_angles: floats("cone_angles")?,
+        cone_charts: integers("cone_charts")?,
         is_folded: get(object, "is_folded")?.is_truthy(),
         revision: number(object, "revision")? as u32,
     })

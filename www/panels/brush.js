@@ -124,6 +124,8 @@ export function brushPanel(views, on, facts) {
       [strengthSlider.node, !placesCircle && channel?.kind === "amount"],
       [hint, placesCircle || isPlace],
       [erase, channel?.kind !== "label"],
+      // A circle begins a cut, which methods without regions have no use for.
+      [circle, channels.some(({ kind }) => kind === "label")],
     ]) {
       node.hidden = !isShown;
     }

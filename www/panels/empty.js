@@ -2,7 +2,10 @@
 
 import { byId, h, icon } from "../dom.js";
 
-/** @param on `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()`, `cut()` makes the first cut */
+/**
+ * @param on `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()`, `cut()` makes the first cut, `solve()`
+ * places the first cones
+ */
 export function emptyState(on) {
   const host = byId("empty");
   const action = (label, run) => h("button", { class: "btn primary", onclick: run }, label);
@@ -26,6 +29,10 @@ export function emptyState(on) {
     uncut: () => [
       h("p", {}, "The mesh is not cut yet."),
       h("button", { class: "btn outlined", onclick: on.cut }, "Make the first cut"),
+    ],
+    unsolved: () => [
+      h("p", {}, "No cones yet: they show where the surface is cut."),
+      h("button", { class: "btn outlined", onclick: on.solve }, "Place the cones"),
     ],
   };
   let shown = "";

@@ -39,6 +39,10 @@ export function exportMenu(save) {
     show(true);
   });
   return {
+    /** Shows what the method has to save. */
+    setMethod(id) {
+      for (const item of items) item.hidden = (item.dataset.method ?? id) !== id;
+    },
     /** Takes the reason why there is no cut to export, null where there is one. */
     block(reason) {
       for (const item of items) {

@@ -12,25 +12,35 @@ const COPY_MS = 250;
 /**
  * @param on `field(id)` shows a field, `step()` takes one step, `wires(isOn)` shows the triangles, `layout()` before
  * the page is rearranged, `picture(canvas)` copies the surface as it is drawn now
- * @param facts gives `{ name, step, points, rows, fields, current, field, scene, stages }` as known now
+ * @param facts gives `{ name, step, points, rows, fields, current, field, scene, stages, figures }` as known now: `figures` are
+ * `[name, text]` of the method as a whole, for stages that ask for them with `data-figures`
  */
 export function learnPanel(on, facts) {
   const root = document.documentElement;
   const panel = byId("learn-panel");
   const lesson = byId("lesson");
   const list = byId("stages");
-  const lessons = [...byId("lessons").content.querySelectorAll("article")];
+  const all = [...byId("lessons").content.querySelectorAll("article")];
+  let lessons = [];
+  let thumbnails = [];
+  let buttons = [];
   let at = 0;
   let before = null;
   /** The scene that was copied last, and when. */
   let copied = { scene: null, at: 0 };
 
-  const thumbnails = lessons.map(() => h("canvas", { width: 2 * THUMBNAIL_PX, height: 2 * THUMBNAIL_PX, "aria-hidden": "true" }));
-  const buttons = lessons.map(({ dataset: { title, brief } }, i) => {
-    const button = h("button", { onclick: () => go(i) }, thumbnails[i], h("b", {}, `${i + 1}\u2002${title}`), h("span", {}, brief));
-    list.append(h("li", {}, button));
-    return button;
-  });
+  /** The stages of a method. */
+  function build(method, title) {
+    at = 0;
+    write(byId("learn-title"), title);
+    lessons = all.filter(({ dataset }) => (dataset.method ?? "cutflow") === method);
+    thumbnails = lessons.map(() => h("canvas", { width: 2 * THUMBNAIL_PX, height: 2 * THUMBNAIL_PX, "aria-hidden": "true" }));
+    buttons = lessons.map(({ dataset: { title, brief } }, i) =>
+      h("button", { onclick: () => go(i) }, thumbnails[i], h("b", {}, `${i + 1}\u2002${title}`), h("span", {}, brief)),
+    );
+    list.replaceChildren(...buttons.map((button) => h("li", {}, button)));
+  }
+  build("cutflow", "One step of the cut flow");
   roving(list, "button");
   byId("learn").addEventListener("click", () => (panel.hidden ? open() : close()));
   byId("learn-close").addEventListener("click", close);
@@ -107,7 +117,7 @@ export function learnPanel(on, facts) {
   }
 
   /** What the engine tells of the stage, else what its field and the energy tell. */
-  function rowsOf({ points, rows, field, stages }) {
+  function rowsOf({ points, rows, field, stages, figures }) {
     const { dataset } = lessons[at];
     const told = stages.find(({ id }) => id === dataset.id)?.numbers ?? [];
     if (told.length > 0) return told.map(({ label, value, unit }) => [label, measure(value, unit)]);
@@ -118,6 +128,7 @@ export function learnPanel(on, facts) {
       list.push([`${field.label}, least to most`, `${least} to ${most} ${field.unit}`]);
       list.push([`${field.label}, mean`, `${mean} ${field.unit}`]);
     }
+    if (dataset.figures !== undefined) return [...list, ...figures];
     if (!("check" in dataset)) return [...list, ...rows.filter(({ id }) => id === "pieces").map(({ label, now, unit }) => [label, measure(now, unit)])];
     const last = points.at(-1);
     const previous = points.at(-2);
@@ -159,6 +170,11 @@ export function learnPanel(on, facts) {
       thumbnails[at].dataset.drawn = "";
     },
     close,
+    /** Takes another method, and what is said over its stages. */
+    setMethod(method, title) {
+      close();
+      build(method, title);
+    },
     isOpen: () => !panel.hidden,
   };
 }

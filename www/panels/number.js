@@ -4,7 +4,7 @@ import { h } from "../dom.js";
 import { dial, fixed, parse } from "../format.js";
 
 /** Positions of a slider's handle. */
-const NOTCHES = 1000;
+export const NOTCHES = 1000;
 
 /** `w_H` is written with its index lowered. */
 function symbolNodes(symbol) {
@@ -16,8 +16,8 @@ function decimals(step) {
   return step > 0 ? Math.max(0, Math.min(6, Math.ceil(-Math.log10(step) - 1e-9))) : 3;
 }
 
-/** Between a number and the place of its handle, evenly or by ratio. */
-function scale({ min, max, step, logarithmic, integer }) {
+/** Between a number and the place of its handle, evenly or by ratio. Notches go from 0 to `NOTCHES`. */
+export function scale({ min, max, step, logarithmic, integer }) {
   const clamp = (value) => Math.min(max, Math.max(min, value));
   const round = (value) => clamp(integer ? Math.round(value) : value);
   if (!logarithmic) {

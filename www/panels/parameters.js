@@ -110,9 +110,10 @@ function isDefault({ default: usual }, value) {
 
 /**
  * The panel. `change(id, value)` is called while a slider moves; `extras` are nodes that belong to a group, by its name,
- * whether or not the engine has parameters for that group.
+ * whether or not the engine has parameters for that group; `companions` are nodes that stand before a parameter's row, by
+ * its identifier.
  */
-export function parametersPanel(host, change, extras = {}) {
+export function parametersPanel(host, change, extras = {}, companions = {}) {
   let specs = [];
   let fingerprint = "";
   let rows = new Map();
@@ -144,7 +145,8 @@ export function parametersPanel(host, change, extras = {}) {
     const advanced = groups.get(ADVANCED) ?? [];
     groups.delete(ADVANCED);
     sections = [...groups].map(([name, entries], i) => {
-      const set = h("fieldset", { "aria-label": name }, ...entries.map(({ row }) => row), extras[name] ?? null);
+      const content = entries.flatMap(({ spec, row }) => [companions[spec.id] ?? null, row]);
+      const set = h("fieldset", { "aria-label": name }, ...content, extras[name] ?? null);
       return { ...section(name, i < OPEN, set), entries, extra: extras[name] };
     });
     if (advanced.length > 0) {

@@ -25,10 +25,10 @@ export function valueFor(spec, text) {
   return { true: true, false: false }[text];
 }
 
-function address({ sample, specs, values, opened }) {
+function address({ sample, method, specs, values, opened }) {
   const query = new URLSearchParams();
   if (sample) query.set("sample", sample);
-  query.set("method", "cutflow");
+  query.set("method", method);
   for (const { id } of specs) {
     // What was painted or brought along does not travel in a link.
     if (id === "init" && ["painted", "seeds", "file"].includes(values[id])) continue;
@@ -41,7 +41,7 @@ function address({ sample, specs, values, opened }) {
   return url.href;
 }
 
-/** `state()` gives `{ sample, isChanged, name, specs, values, opened }` of the document. */
+/** `state()` gives `{ sample, isChanged, name, method, specs, values, opened }` of the document. */
 export function shareButton(state) {
   const panel = byId("share-pop");
   const [title, field, note] = panel.children;

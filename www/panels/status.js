@@ -19,6 +19,8 @@ export function statusPanel({ run, pause, step, reset }) {
   let blocked = null;
   let energy = { start: null, now: null };
   let pace = { steps: 0, spent: 0 };
+  /** Figures of the method in place of the energy's. */
+  let figures = null;
 
   const titles = new Map(Object.values(buttons).map((button) => [button, button.title]));
 
@@ -40,7 +42,8 @@ export function statusPanel({ run, pause, step, reset }) {
   function summary() {
     const parts = [];
     if (pace.steps > 0) parts.push(`${fixed(pace.spent / pace.steps, pace.spent / pace.steps < 10 ? 1 : 0)} ms per step`);
-    if (energy.start > 0 && energy.now >= 0 && energy.now < energy.start) {
+    if (figures !== null) parts.push(figures);
+    else if (energy.start > 0 && energy.now >= 0 && energy.now < energy.start) {
       parts.push(`J down ${fixed(100 * (1 - energy.now / energy.start), 1)} %`);
     }
     return parts.join(", ");
@@ -51,7 +54,7 @@ export function statusPanel({ run, pause, step, reset }) {
 
   function enable() {
     // After an error the last good cut is still there.
-    const canStart = (STARTABLE.includes(state) || (state === "error" && energy.start !== null)) && blocked === null;
+    const canStart = (STARTABLE.includes(state) || (state === "error" && (energy.start !== null || figures !== null))) && blocked === null;
     // A button that the keyboard stands on hands the focus to the one that takes its place.
     const focused = document.activeElement;
     buttons.run.disabled = !canStart;
@@ -77,6 +80,11 @@ export function statusPanel({ run, pause, step, reset }) {
       document.documentElement.dataset.state = state;
       enable();
       if (changed) line.dataset.state = "";
+      count();
+    },
+    /** Takes what is said in place of how the energy fell; null for nothing. */
+    figures(text) {
+      figures = text;
       count();
     },
     /** Takes the reason why the mesh cannot be cut yet, null where it can. */

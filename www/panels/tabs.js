@@ -2,19 +2,44 @@
 
 import { byId, roving } from "../dom.js";
 
-/** Methods that are not built yet say so, also where the address `asked` for one. */
-export function methodTabs(asked, say) {
+const NOT_BUILT = "Not built yet";
+
+/** `choose(id)` is called with another method; those that are not built yet say so. */
+export function methodTabs(choose, say) {
   const list = document.querySelector(".methods [role=tablist]");
-  function refuse(tab) {
-    if (tab.getAttribute("aria-disabled") === "true") say(`“${tab.textContent}” is not built yet: this version has the cut flow.`);
-  }
-  list.addEventListener("click", ({ target }) => target.role === "tab" && refuse(target));
+  const isMissing = (tab) => tab.getAttribute("aria-disabled") === "true";
+  const refuse = (tab) => say(`“${tab.textContent}” is not built yet.`);
+  list.addEventListener("click", ({ target }) => {
+    if (target.role !== "tab") return;
+    if (isMissing(target)) refuse(target);
+    else if (target.getAttribute("aria-selected") !== "true") choose(target.id.slice("tab-".length));
+  });
+  // Arrows move the focus only: another method begins another piece of work.
   roving(list, "[role=tab]");
-  const tab = asked === "cutflow" ? null : byId(`tab-${asked}`);
-  if (tab) refuse(tab);
+  return {
+    /** Takes a `methods` event. */
+    show({ current, options }) {
+      for (const tab of list.children) {
+        const option = options.find(({ id }) => tab.id === `tab-${id}`);
+        const isThere = option?.available === true;
+        const isCurrent = tab.id === `tab-${current}`;
+        if (isThere) tab.removeAttribute("aria-disabled");
+        else tab.setAttribute("aria-disabled", "true");
+        tab.title = isThere ? "" : NOT_BUILT;
+        tab.setAttribute("aria-selected", String(isCurrent));
+        tab.tabIndex = isCurrent ? 0 : -1;
+      }
+    },
+    /** Says of a method that an address asks for that it is not built, or that there is none. */
+    refuse(id) {
+      const tab = byId(`tab-${id}`);
+      if (tab) refuse(tab);
+      else say(`There is no method named ${id}.`);
+    },
+  };
 }
 
-/** Gives `toParameters()`, which shows the first panel. */
+/** Gives `toParameters()`, which shows the first panel, and `name(texts)`, which names panels anew. */
 export function sheetTabs() {
   const sheet = document.querySelector(".sheet");
   function show(tab) {
@@ -28,5 +53,8 @@ export function sheetTabs() {
   roving(sheet, "[role=tab]", show);
   const toParameters = () => show(sheet.firstElementChild);
   toParameters();
-  return { toParameters };
+  function name(texts) {
+    for (const tab of sheet.children) tab.textContent = texts[tab.dataset.sheet] ?? tab.textContent;
+  }
+  return { toParameters, name };
 }

@@ -1,0 +1,301 @@
+// Cones as a person meets them: the price under a slider, cones set, moved, removed and typed by hand, the path, the
+// comparison, the pattern that comes of it. Under each backend, since the glyphs are drawn.
+
+import assert from "node:assert/strict";
+import { after, before, describe, it } from "node:test";
+
+import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { asObj, ellipsoid, parseObj, uvAreas } from "./meshes.mjs";
+import { Page } from "./page.mjs";
+import { decodePng, difference } from "./pixels.mjs";
+
+/** 642 vertices with dents: a convex surface would be all cones at every price. */
+const BALL = parseObj(ellipsoid(3));
+const DENTED = {
+  ...BALL,
+  vertices: BALL.vertices.map(([x, y, z]) => {
+    const swell = 1 + 0.35 * Math.sin(3.1 * x + 0.4) * Math.cos(2.7 * y) + 0.25 * Math.sin(2.3 * z + 1.1 * x);
+    return [x * swell, y * swell, z * swell];
+  }),
+};
+/** Software graphics differ in the last bits of a pixel, and at the edges of lines. */
+const ALIKE = 2;
+
+const pictures = {};
+
+for (const renderer of RENDERERS) {
+  describe(`cones with ${renderer.name}`, { timeout: 600_000 }, () => {
+    let browser, page;
+    before(async () => {
+      browser = await open(renderer);
+      page = new Page(browser.page);
+      // What the page tells the engine, and how much of it waits for an answer.
+      await browser.page.addInitScript(() => {
+        window.sent = [];
+        window.mostOpen = 0;
+        const open = new Set();
+        const post = Worker.prototype.postMessage;
+        Worker.prototype.postMessage = function (message, ...rest) {
+          if (message.type === "command") {
+            window.sent.push(message.command);
+            if (message.command.type === "set_parameter") {
+              if (open.size === 0) this.addEventListener("message", ({ data }) => data.type === "reply" && open.delete(data.id));
+              open.add(message.id);
+              window.mostOpen = Math.max(window.mostOpen, open.size);
+            }
+          }
+          return post.call(this, message, ...rest);
+        };
+      });
+      await page.visit(`${PAGE}?renderer=${renderer.query}&method=cones&run=0`);
+    });
+    after(() => browser?.close());
+
+    const tab = (name) => browser.page.getByRole("tab", { name, exact: true });
+    const button = (name) => browser.page.getByRole("button", { name, exact: true });
+    const table = () => browser.page.getByRole("table", { name: "Cones" });
+    const rows = () => table().locator("tbody tr").count();
+    const sent = (type) => browser.page.evaluate((type) => window.sent.filter((command) => command.type === type), type);
+    const forget = () => browser.page.evaluate(() => void ([window.sent, window.mostOpen] = [[], 0]));
+    const slider = () => browser.page.locator("#settings .path + .param input[type=range]");
+    const angles = () => table().getByLabel(/^Angle of cone \d+$/);
+    const edited = () => browser.page.getByText("Edited by hand", { exact: true });
+    const path = () => browser.page.getByRole("img", { name: /^Number of cones over λ/ });
+    /** Waits until the engine rests, and gives how many cones there are then. */
+    async function rest() {
+      await page.status(/^(Ready|Paused|Converged)/);
+      await browser.page.waitForTimeout(200);
+      return rows();
+    }
+    /** Where the labels of glyphs say that cones are seen: a place left of each label, beside its glyph. */
+    const middle = async () => {
+      const { x, y, width, height } = await page.canvas("Surface view").boundingBox();
+      return { x: x + width / 2, y: y + height / 2 };
+    };
+    async function picture() {
+      await browser.page.mouse.move(5, 5);
+      await browser.page.locator("#toast").waitFor({ state: "hidden" });
+      await browser.page.waitForTimeout(500);
+      return decodePng(await page.canvas("Surface view").screenshot());
+    }
+
+    it("is opened by its address", async () => {
+      await page.until("the tab is chosen", () => tab("Cones").getAttribute("aria-selected"), (value) => value === "true");
+      assert.equal(await tab("Cut flow").getAttribute("aria-selected"), "false");
+      await page.dropFile("dented.obj", asObj(DENTED));
+      await page.until("the mesh is open", () => browser.page.title(), (title) => title.endsWith("dented.obj"));
+      await page.press("Run");
+      await page.status(/^Converged after \d+ steps?/);
+      const count = await rest();
+      assert.ok(count >= 2, `${count} cones`);
+      assert.match(await path().getAttribute("aria-label"), /\d+ cones? at λ/);
+      assert.match(await browser.page.locator("#note").textContent(), /λ_max, residual .*, gap /);
+      assert.ok((await page.measure("Pieces")) >= 1);
+      await screenshot(browser.page, `cones-${renderer.name}`);
+      pictures[renderer.name] = await picture();
+    });
+
+    it("follows the slider of λ, one question at a time", async () => {
+      const before = await rest();
+      await forget();
+      const box = await slider().boundingBox();
+      const y = box.y + box.height / 2;
+      const at = await slider().evaluate((input) => Number(input.value) / Number(input.max));
+      const place = (part) => box.x + 6 + (box.width - 12) * part;
+      await browser.page.mouse.move(place(at), y);
+      await browser.page.mouse.down();
+      for (let i = 1; i <= 30; i += 1) await browser.page.mouse.move(place(at * (1 - 0.5 * (i / 30))), y);
+      await browser.page.mouse.up();
+      const count = await page.until("more cones at a lower price", rest, (count) => count > before);
+      const asked = await sent("set_parameter");
+      assert.ok(asked.length >= 2 && asked.every(({ id }) => id === "lambda"), JSON.stringify(asked));
+      assert.equal(await browser.page.evaluate(() => window.mostOpen), 1, "a question waits for the answer before it");
+      await page.press("Undo");
+      await page.until("fewer cones again", rest, (now) => now < count);
+    });
+
+    it("traces the path, and shows it above the slider and as a curve", async () => {
+      await rest();
+      await button("Trace path").click();
+      await page.until("the path is complete", () => button(/^Trace/).count(), async () => (await button("Stop").isHidden()) && (await button("Trace path").isHidden()));
+      await page.status(/^(Ready|Paused|Converged)/);
+      assert.match(await path().getAttribute("aria-label"), /from \d+ at .* to [\d\u202f]+ at/);
+      assert.ok((await browser.page.locator("#distortion-plot path.first").count()) === 1, "there is a curve");
+      await screenshot(browser.page, `cones-path-${renderer.name}`);
+    });
+
+    it("takes an angle in units of π, and sets it free again", async () => {
+      await rest();
+      await angles().first().click();
+      await angles().first().fill("1/3");
+      await angles().first().press("Enter");
+      const [command] = await page.until("the angle is sent", () => sent("set_cone_angle"), (list) => list.length === 1);
+      assert.ok(Math.abs(command.angle - Math.PI / 3) < 1e-12);
+      await edited().waitFor({ state: "visible" });
+      const field = () => table().getByLabel(`Angle of cone ${command.cone + 1}`, { exact: true });
+      await page.until("the angle is kept", () => field().inputValue(), (value) => value === "0.33");
+      await angles().first().click();
+      await angles().first().fill("nonsense");
+      await angles().first().press("Enter");
+      assert.equal((await sent("set_cone_angle")).length, 1, "nonsense is not sent");
+      await page.press("Undo");
+      await edited().waitFor({ state: "hidden" });
+    });
+
+    it("adds a cone where somebody clicks, takes it elsewhere, and removes it", async () => {
+      const count = await rest();
+      await forget();
+      await button("Add cone").click();
+      await browser.page.getByLabel("Angle of new cones", { exact: true }).fill("0.5");
+      // The tools take some room: the middle is another one afterwards.
+      const open = await middle();
+      await browser.page.mouse.click(open.x, open.y);
+      const [added] = await page.until("the place is sent", () => sent("add_cone"), (list) => list.length === 1);
+      assert.ok(Number.isInteger(added.face) && added.place.every(Number.isFinite) && Math.abs(added.angle - Math.PI / 2) < 1e-12);
+      await page.until("there is one more", rest, (now) => now === count + 1);
+      await button("Add cone").click();
+
+      const still = await picture();
+      const { x, y } = await middle();
+      await browser.page.mouse.move(x, y);
+      await browser.page.mouse.down();
+      await browser.page.mouse.move(x + 40, y + 10, { steps: 4 });
+      await browser.page.mouse.up();
+      const [moved] = await page.until("the new place is sent", () => sent("move_cone"), (list) => list.length === 1);
+      const way = Math.hypot(...moved.place.map((c, k) => c - added.place[k]));
+      assert.ok(way > 0.02, `it has moved by ${way}`);
+      await rest();
+      assert.ok(difference(still, await picture()) > 0.02, "the picture shows it");
+      await screenshot(browser.page, `cones-moved-${renderer.name}`);
+
+      // The cone that was moved is the chosen one.
+      await page.canvas("Surface view").focus();
+      await browser.page.keyboard.press("Delete");
+      await page.until("the removal is sent", () => sent("remove_cone"), (list) => list.length === 1);
+      await page.until("it is gone", rest, (now) => now === count);
+      await page.press("Undo");
+      await page.until("Undo brings it back", rest, (now) => now === count + 1);
+      await button("Drop edits").click();
+      await page.until("the optimum is back", rest, (now) => now === count);
+      await edited().waitFor({ state: "hidden" });
+    });
+
+    it("is worked with the keyboard alone", async () => {
+      const count = await rest();
+      await forget();
+      await table().locator("tbody button[tabindex='0']").first().focus();
+      await browser.page.keyboard.press("ArrowDown");
+      await browser.page.keyboard.press("Enter");
+      await page.until("the angle has the focus", () => browser.page.evaluate(() => document.activeElement.getAttribute("aria-label")), (label) => /^Angle of cone/.test(label ?? ""));
+      await browser.page.keyboard.press("Escape");
+      await page.canvas("Surface view").focus();
+      await browser.page.keyboard.press("m");
+      await page.until("the chosen cone goes to the middle", () => sent("move_cone"), (list) => list.length === 1);
+      await rest();
+      await browser.page.keyboard.press("a");
+      await page.canvas("Surface view").focus();
+      await browser.page.keyboard.press("ArrowLeft");
+      await browser.page.keyboard.press("ArrowLeft");
+      await browser.page.keyboard.press("Enter");
+      await page.until("a cone is added in the middle", () => sent("add_cone"), (list) => list.length === 1);
+      await page.until("there is one more", rest, (now) => now === count + 1);
+      await browser.page.keyboard.press("Escape");
+      assert.equal(await button("Add cone").getAttribute("aria-pressed"), "false");
+      await button("Drop edits").click();
+      await page.until("the optimum is back", rest, (now) => now === count);
+    });
+
+    it("puts the greedy cones beside the optimum", async () => {
+      await rest();
+      await button("Compare with greedy").click();
+      const compared = browser.page.getByRole("table", { name: "Comparison" });
+      await compared.waitFor({ state: "visible" });
+      const heads = await compared.getByRole("columnheader").allTextContents();
+      assert.ok(heads.length >= 3, heads.join());
+      const left = await compared.getByRole("row").filter({ has: browser.page.getByRole("rowheader", { name: "∫u²", exact: true }) }).getByRole("cell").allTextContents();
+      assert.ok(left.every((text) => Number(text) > 0), left.join());
+      await screenshot(browser.page, `cones-compared-${renderer.name}`);
+    });
+
+    it("lights the row of the cone under the pointer, and the other way round", async () => {
+      await rest();
+      const unlit = await picture();
+      await table().locator("tbody tr").first().hover();
+      await browser.page.waitForTimeout(400);
+      assert.ok(await table().locator("tbody tr.on").first().isVisible(), "the row is lit");
+      const label = browser.page.locator(".surface .cone-labels g:not([hidden])").first();
+      await label.waitFor();
+      void unlit;
+    });
+
+    it("exports a chart without flips, cut open", async () => {
+      await rest();
+      const mesh = parseObj(await page.export("UV mesh (OBJ)"));
+      assert.equal(mesh.triangles.length >= BALL.triangles.length, true);
+      const areas = uvAreas(mesh);
+      const flipped = areas.filter((area) => !(area > 0)).length;
+      assert.equal(flipped, await page.measure("Flipped triangles"));
+      assert.ok(mesh.uvs.length > mesh.vertices.length, "a cone is reached by a seam, whose vertices have two places");
+    });
+
+    it("is told by a link, and lives beside the cut flow", async () => {
+      await rest();
+      await button("Share").click();
+      const link = new URL(await browser.page.getByLabel("Link to this setting", { exact: true }).inputValue());
+      assert.equal(link.searchParams.get("method"), "cones");
+      assert.ok(link.searchParams.has("p.lambda"), link.search);
+      await browser.page.keyboard.press("Escape");
+      const count = await rest();
+      await tab("Cut flow").click();
+      await page.until("the cut flow is chosen", () => tab("Cut flow").getAttribute("aria-selected"), (value) => value === "true");
+      await browser.page.getByRole("table", { name: "Pieces" }).waitFor({ state: "visible" });
+      assert.ok(await table().isHidden());
+      await page.status(/^(Ready|Paused|Converged)/);
+      await tab("Cones").click();
+      await table().waitFor({ state: "visible" });
+      await page.until("the cones are back", rest, (now) => now === count);
+    });
+
+    it("explains itself in stages, each with its formula", async () => {
+      await rest();
+      await button("Learn").click();
+      const lesson = browser.page.locator("#lesson");
+      const stages = await browser.page.locator("#stages button").count();
+      assert.ok(stages >= 5, `${stages} stages`);
+      for (let i = 0; i < stages; i += 1) {
+        await page.until(`stage ${i + 1}`, () => lesson.textContent(), (text) => text.startsWith(`Stage ${i + 1} of ${stages}`));
+        assert.equal(await lesson.locator("math.key").count(), 1);
+        assert.ok((await lesson.locator("table tr").count()) > 0);
+        if (i + 1 < stages) await lesson.locator(".nav .primary").press("Enter");
+      }
+      await screenshot(browser.page, `cones-learn-${renderer.name}`);
+      await browser.page.keyboard.press("Escape");
+    });
+
+    it("fits a phone", async () => {
+      await browser.page.setViewportSize({ width: 390, height: 844 });
+      await browser.page.getByRole("tab", { name: "Distortion", exact: true }).waitFor();
+      const sheet = browser.page.getByRole("tablist", { name: "Sheet" });
+      for (const name of ["Cones", "Distortion", "Parameters"]) {
+        await sheet.getByRole("tab", { name, exact: true }).click();
+        await screenshot(browser.page, `cones-phone-${name.toLowerCase()}-${renderer.name}`);
+        const excess = await browser.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+        assert.equal(excess, 0, `${name}: the page scrolls sideways`);
+      }
+    });
+
+    it("has nothing to complain of in the browser's console", () => {
+      assert.deepEqual(browser.troubles, []);
+    });
+  });
+}
+
+describe("cones with both backends", () => {
+  it("are drawn alike", (t) => {
+    const [one, other] = RENDERERS.map(({ name }) => pictures[name]);
+    assert.ok(one && other, "a backend has drawn nothing");
+    const mean = difference(one, other);
+    t.diagnostic(`mean difference ${mean.toFixed(2)} of 255`);
+    assert.ok(mean <= ALIKE, `they differ by ${mean.toFixed(2)} of 255 in the mean`);
+  });
+});

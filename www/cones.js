@@ -1,0 +1,203 @@
+// The page of the method of cones: its panels, what the hand does with cones in the views, and what is sent for it.
+
+import { byId, h } from "./dom.js";
+import { dial, fixed, pi, short } from "./format.js";
+import { comparisonPanel } from "./panels/comparison.js";
+import { conesPanel, kindOf } from "./panels/cones.js";
+import { coneTool } from "./panels/cone-tool.js";
+import { distortionPlot } from "./panels/distortion.js";
+import { pathPanel } from "./panels/path.js";
+
+/**
+ * @param on `send(command)` resolves with the answer; `wait(sentence, cancelled, command)` does so with a way out;
+ * `lambda(value)` sets λ; `views()` gives the two views; `say(sentence)`; `toolChanged(isOn)` after the tool was taken
+ * or put away; `facts(text)` takes the line of figures, null for none
+ */
+export function coneMethod(on) {
+  let isOn = false;
+  let last = null;
+  let comparing = false;
+  /** The optimum of the comparison that is shown. */
+  let compared = null;
+  /** Whether a solution goes on, and what it or the last one has cost. */
+  let isSolving = false;
+  let spent = 0;
+  const views = () => on.views();
+
+  const table = conesPanel(byId("cones"), {
+    hover: (cone) => views().markCones({ hover: cone }),
+    select,
+    setAngle: (cone, angle) => on.send({ type: "set_cone_angle", cone, angle }),
+    remove,
+    problem: on.say,
+  });
+  const path = pathPanel({
+    trace: () => on.send({ type: "trace_path" }),
+    stop: () => on.send({ type: "pause" }),
+    clear: () => on.send({ type: "clear_cones" }),
+    lambda: on.lambda,
+  });
+  const plot = distortionPlot(byId("distortion-plot"));
+  const comparison = comparisonPanel(byId("measures"));
+  const tool = coneTool({
+    changed(isHeld) {
+      views().setConeTool(isHeld);
+      on.toolChanged(isHeld);
+    },
+    problem: on.say,
+  });
+  byId("compare").addEventListener("click", compare);
+
+  function select(cone) {
+    table.select(cone);
+    views().markCones({ selected: cone });
+  }
+
+  function remove(cone) {
+    on.send({ type: "remove_cone", cone });
+  }
+
+  async function move(cone, { face, x, y, z }) {
+    select(cone);
+    const answer = await on.send({ type: "move_cone", cone, face, place: [x, y, z] });
+    // A refused cone goes back to where it was.
+    if (answer.events.some(({ type }) => type === "error")) views().dropCone();
+  }
+
+  function add({ face, x, y, z }) {
+    const angle = tool.value();
+    if (angle !== undefined) on.send({ type: "add_cone", face, place: [x, y, z], angle });
+  }
+
+  async function compare() {
+    if (comparing) return;
+    comparing = true;
+    await on.wait("Placing cones greedily, to compare", "The comparison was cancelled.", { type: "compare_cones" });
+    comparing = false;
+    comparison.reveal();
+  }
+
+  /** A comparison is with the cones that it was made for. */
+  function judge(event) {
+    const isSame = (a, b) => Math.abs(a - b) <= 1e-9 * Math.abs(b);
+    if (!compared || (event.cones.length === compared.count && isSame(event.total_angle, compared.total_angle) && isSame(event.int_u2, compared.int_u2))) return;
+    compared = null;
+    comparison.hide();
+    plot.rivals([]);
+  }
+
+  function figures(event) {
+    const time = spent > 0 ? [`${spent < 10 ? fixed(spent, 1) : fixed(spent, 0)}\u202fms`] : [];
+    const share = event.lambda_max > 0 ? `λ ${dial(event.lambda)}, ${fixed((100 * event.lambda) / event.lambda_max, 1)}\u202f% of λ_max` : `λ ${dial(event.lambda)}`;
+    const certificate = event.is_edited ? ["edited by hand"] : [`residual ${short(event.kkt_residual)}`, `gap ${short(event.gap)}`];
+    return [...time, share, ...certificate].join(", ");
+  }
+
+  return {
+    handlers: {
+      cones(event) {
+        last = event;
+        const selected = table.selected();
+        judge(event);
+        table.show(event);
+        if (table.selected() !== selected) select(-1);
+        path.show(event);
+        plot.show(event);
+        on.facts(isOn ? figures(event) : null);
+      },
+      cone_path(event) {
+        path.path(event);
+        plot.path(event);
+      },
+      cone_comparison(event) {
+        compared = event.rows[0] ?? null;
+        comparison.show(event);
+        plot.rivals(event.rows.slice(1));
+      },
+    },
+    /** What stands above the slider of λ. */
+    path: path.node,
+    /** Takes the specs of the parameters. */
+    specs: (specs) => path.spec(specs.find(({ id }) => id === "lambda")),
+    /** Takes a `status` event: a solution begins, a path is traced, or neither. */
+    status({ state, text }) {
+      const runs = state === "running";
+      const traces = runs && /tracing/i.test(text);
+      path.tracing(isOn && traces);
+      if (runs && !traces && !isSolving) spent = 0;
+      isSolving = runs && !traces;
+      if (isOn && last && !runs) on.facts(figures(last));
+    },
+    /** Milliseconds that the engine has spent. */
+    spent(milliseconds) {
+      if (isSolving) spent += milliseconds;
+    },
+    /** Whether this is the method that is chosen. */
+    show(isChosen) {
+      isOn = isChosen;
+      views().setCones(isOn);
+      tool.offer(isOn);
+      if (!isOn) {
+        select(-1);
+        comparison.hide();
+      }
+      on.facts(isOn && last ? figures(last) : null);
+    },
+    /** Another mesh. */
+    clear() {
+      [last, compared, spent] = [null, null, 0];
+      select(-1);
+      table.show({ cones: [], note: null });
+      path.clear();
+      plot.clear();
+      comparison.hide();
+      on.facts(null);
+    },
+    tool,
+    /** What the views ask and tell. */
+    hoverCone: (cone) => table.hover(cone),
+    selectCone: select,
+    moveCone: move,
+    addCone: add,
+    describeCone(id) {
+      const cone = table.cone(id);
+      if (!cone) return [];
+      const partner = cone.partner === null || cone.partner === undefined ? null : `partner: cone ${cone.partner + 1}`;
+      return [h("b", {}, `Cone ${id + 1}`), ` ${pi(cone.angle)}`, ...[kindOf(cone), partner].filter(Boolean).flatMap((text) => [h("br"), text])];
+    },
+    /** What a key does while cones are there; false for keys that mean nothing here. */
+    key(name) {
+      if (!isOn) return false;
+      const cone = table.selected();
+      if (name === "Escape") {
+        if (views().cancelMove()) return true;
+        if (tool.isOn()) tool.put();
+        else if (cone >= 0) select(-1);
+        else return false;
+        return true;
+      }
+      if (cone < 0) return false;
+      if (name === "Delete" || name === "Backspace") remove(cone);
+      else if (name === "Enter" && document.activeElement?.tagName === "CANVAS" && !tool.isOn()) table.edit(cone);
+      else if (name === "m") {
+        const middle = views().middle();
+        if (middle) move(cone, middle);
+        else on.say("There is no surface in the middle of the view: turn it until the place is there, then press M.");
+      } else return false;
+      return true;
+    },
+    /** What Learn tells of the solution: `[name, text]`. */
+    figures() {
+      if (!last) return [];
+      const { lambda, lambda_max: most, raw_count: raw, cones, total_angle: total } = last;
+      return [
+        ["Price λ", `${dial(lambda)} of at most ${dial(most)}`],
+        ["Vertices that are cones", String(raw)],
+        ["Cones shown", String(cones.length)],
+        ["Total angle Σ|μ|", pi(total)],
+        ["Distortion ∫u²", fixed(last.int_u2, 4)],
+        ["Residual, gap", `${short(last.kkt_residual)}, ${short(last.gap)}`],
+      ];
+    },
+  };
+}

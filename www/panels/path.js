@@ -1,0 +1,161 @@
+// The path over λ: how many cones each price leaves. It stands above the slider of λ and has its scale, so that dot
+// and handle are one line.
+
+import { h, paced, s, write } from "../dom.js";
+import { count, dial, plural } from "../format.js";
+import { NOTCHES, scale } from "./number.js";
+
+const INTERVAL = 60;
+const HEIGHT = 92;
+const TOP = 10;
+const FLOOR = HEIGHT - 16;
+/** Half of a slider's handle, whose middle moves between these distances from the ends. */
+const HANDLE = 6;
+
+/** The place of a count: the root shows few beside many. */
+const rise = (n, most) => FLOOR - ((FLOOR - TOP) * Math.sqrt(n)) / Math.sqrt(Math.max(1, most));
+
+/** 0.001, 0.01 …: the powers of ten inside a range. */
+function decades(min, max) {
+  const list = [];
+  for (let k = Math.ceil(Math.log10(min) - 1e-9); 10 ** k <= max * (1 + 1e-9); k += 1) list.push(10 ** k);
+  return list;
+}
+
+/** A power of ten without zeros that say nothing. */
+const power = (value) => (value >= 1e-4 ? String(Number(value.toPrecision(1))) : dial(value));
+
+/** `on.trace()` and `on.stop()` begin and end the computation, `on.clear()` drops edits, `on.lambda(value)` sets λ. */
+export function pathPanel(on) {
+  let points = [];
+  let isComplete = false;
+  let now = null;
+  let range = null;
+  let width = 0;
+  let isTracing = false;
+  const svg = s("svg", { role: "img", "aria-label": "Number of cones over λ" });
+  const bar = h("progress", { max: 1, "aria-label": "Tracing the path" });
+  const stop = h("button", { type: "button", class: "act", onclick: on.stop }, "Stop");
+  const work = h("div", { class: "tracing", hidden: true }, bar, stop);
+  const trace = h("button", { type: "button", class: "act", hidden: true, title: "Solve for every λ once: then the whole path is seen, and found again at once", onclick: on.trace }, "Trace path");
+  const edited = h(
+    "p",
+    { class: "edited", hidden: true },
+    h("span", { class: "fine" }, "Edited by hand"),
+    h("button", { type: "button", class: "act", onclick: on.clear, title: "Drops all edits: the optimum chooses places and angles again" }, "Drop edits"),
+  );
+  const node = h("div", { class: "path", hidden: true }, h("div", { class: "pathplot" }, svg, h("div", { class: "over" }, work, trace)), edited);
+  new ResizeObserver(([{ contentRect }]) => {
+    width = contentRect.width;
+    redraw();
+  }).observe(node);
+
+  const place = (lambda) => HANDLE + ((width - 2 * HANDLE) * range.toNotch(lambda)) / NOTCHES;
+
+  // A press on the plot is a press on the slider below it.
+  const setFrom = (event) => {
+    if (!range || width < 40) return;
+    const at = (event.clientX - svg.getBoundingClientRect().left - HANDLE) / (width - 2 * HANDLE);
+    on.lambda(range.fromNotch(NOTCHES * Math.min(1, Math.max(0, at))));
+  };
+  svg.addEventListener("pointerdown", (event) => {
+    if (event.button > 0) return;
+    svg.setPointerCapture(event.pointerId);
+    setFrom(event);
+  });
+  svg.addEventListener("pointermove", (event) => svg.hasPointerCapture(event.pointerId) && setFrom(event));
+
+  function stairs(most) {
+    const at = (point) => [place(point.lambda).toFixed(1), rise(point.count, most).toFixed(1)];
+    const [, top] = at(points[0]);
+    let path = `M${width} ${top}`;
+    let [left, height] = [width, top];
+    for (const point of points) {
+      const [x, y] = at(point);
+      // Between two samples nothing is known: the step is drawn where the larger number was seen.
+      path += `H${x}`;
+      if (y !== height) path += `V${y}`;
+      [left, height] = [x, y];
+    }
+    return { line: path, area: `${path}V${FLOOR}H${width}Z`, left };
+  }
+
+  const redraw = paced(INTERVAL, () => {
+    node.hidden = !range;
+    if (!range || width < 40) return;
+    const { min, max } = range;
+    svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
+    const shown = now?.raw_count ?? now?.cones.length ?? 0;
+    const most = Math.max(1, shown, ...points.map((point) => point.count));
+    const nodes = [];
+    for (const tick of [10, 100, 1000, 10_000].filter((tick) => tick < 0.9 * most && most < 120 * tick)) {
+      const y = Math.round(rise(tick, most)) + 0.5;
+      nodes.push(s("path", { class: "grid", d: `M0 ${y}H${width}` }), s("text", { class: "ax", x: width, y: y - 3, "text-anchor": "end" }, count(tick)));
+    }
+    nodes.push(s("path", { class: "grid", d: `M0 ${FLOOR + 0.5}H${width}` }));
+    if (points.length > 0) {
+      const { line, area } = stairs(most);
+      nodes.push(s("path", { class: "area", d: area }), s("path", { class: "line", d: line }));
+    }
+    for (const tick of decades(min, max)) {
+      const x = place(tick);
+      const anchor = x < 16 ? "start" : x > width - 24 ? "end" : "middle";
+      nodes.push(s("text", { class: "ax", x: anchor === "start" ? 0 : anchor === "end" ? width : x, y: HEIGHT - 2, "text-anchor": anchor }, power(tick)));
+    }
+    if (now) {
+      const [x, y] = [place(now.lambda), rise(shown, most)];
+      const isRight = x < width * 0.55;
+      nodes.push(
+        s("path", { class: "now", d: `M${x.toFixed(1)} ${TOP - 6}V${FLOOR}` }),
+        s("circle", { class: "now", cx: x, cy: y, r: 4 }),
+        s("text", { class: "label", x: isRight ? x + 8 : x - 8, y: Math.max(12, Math.min(y - 7, FLOOR - 6)), "text-anchor": isRight ? "start" : "end" }, now.cones.length === shown ? plural(shown, "cone") : `${plural(shown, "cone")}, merged to ${count(now.cones.length)}`),
+      );
+    }
+    svg.replaceChildren(...nodes);
+    const path = points.length > 0 ? `, from ${count(points[0].count)} at ${dial(points[0].lambda)} to ${count(points.at(-1).count)} at ${dial(points.at(-1).lambda)}` : "";
+    svg.setAttribute("aria-label", `Number of cones over λ${path}${now ? `; ${plural(shown, "cone")} at λ ${dial(now.lambda)}` : ""}`);
+
+    work.hidden = !isTracing;
+    const reached = points.length > 0 ? Math.log(points[0].lambda / points.at(-1).lambda) / Math.log(points[0].lambda / min) : 0;
+    if (Number.isFinite(reached)) bar.value = Math.min(1, Math.max(0, reached));
+    const hadFocus = document.activeElement === trace || document.activeElement === stop || document.activeElement === document.body;
+    trace.hidden = isTracing || isComplete || !now;
+    write(trace, points.length > 1 ? "Trace the rest" : "Trace path");
+    if (hadFocus && document.activeElement === document.body && wasPressed) (isTracing ? stop : trace).focus({ preventScroll: true });
+    edited.hidden = !now?.is_edited;
+  });
+  /** Whether the keyboard or the pointer began what goes on: the focus stays with the two buttons. */
+  let wasPressed = false;
+  for (const button of [trace, stop]) button.addEventListener("click", () => (wasPressed = true));
+
+  return {
+    node,
+    /** Takes the spec of λ, undefined where the method has none. */
+    spec(spec) {
+      const bounds = spec?.kind.number;
+      range = bounds ? { ...scale(bounds), min: bounds.min > 0 ? bounds.min : bounds.step, max: bounds.max } : null;
+      redraw();
+    },
+    /** Takes a `cones` event. */
+    show(event) {
+      now = event;
+      redraw();
+    },
+    /** Takes a `cone_path` event. */
+    path(event) {
+      points = event.points;
+      isComplete = event.is_complete;
+      redraw();
+    },
+    tracing(isOn) {
+      isTracing = isOn;
+      if (!isOn) wasPressed = false;
+      redraw();
+    },
+    points: () => points,
+    clear() {
+      [points, isComplete, now] = [[], false, null];
+      redraw();
+    },
+  };
+}
