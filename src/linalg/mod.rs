@@ -16,6 +16,7 @@
 )]
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
@@ -154,6 +155,7 @@ impl Pattern {
 pub struct Analysis {
     pattern: Pattern,
     symbolic: SymbolicCholesky<u32>,
+    factorisations: AtomicUsize,
 }
 
 impl Analysis {
@@ -168,12 +170,17 @@ impl Analysis {
             CholeskySymbolicParams::default(),
         )
         .map_err(|_| LinalgError::OutOfMemory { size: pattern.size })?;
-        Ok(Self { pattern, symbolic })
+        Ok(Self { pattern, symbolic, factorisations: AtomicUsize::new(0) })
     }
 
     /// The analysed pattern.
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
+    }
+
+    /// Numeric factorisations that were begun with it so far: what a step of a method is measured in.
+    pub fn factorisation_count(&self) -> usize {
+        self.factorisations.load(Ordering::Relaxed)
     }
 }
 
@@ -201,6 +208,7 @@ impl Factor {
     pub fn refactor(&mut self, matrix_values: &[f64]) -> Result<(), LinalgError> {
         let analysis = &*self.analysis;
         assert_eq!(matrix_values.len(), analysis.pattern.entry_count());
+        analysis.factorisations.fetch_add(1, Ordering::Relaxed);
         let result = analysis.symbolic.factorize_numeric_llt(
             &mut self.values,
             SparseColMatRef::new(analysis.pattern.symbolic(), matrix_values),

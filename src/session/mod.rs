@@ -17,6 +17,7 @@ mod folding;
 mod inputs;
 mod layout;
 mod message;
+mod notices;
 mod overlays;
 mod paint;
 mod params;

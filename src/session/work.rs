@@ -327,22 +327,6 @@ impl Work {
         Event::Measures { rows, pieces, pattern, note: self.note(layout) }
     }
 
-    /// What a person should know of the cut as a whole.
-    fn note(&self, layout: &Layout) -> Option<String> {
-        let resting = self.flow.as_ref().map_or(0, CutFlow::resting_components);
-        let uncut = (resting > 0).then(|| {
-            format!(
-                "{} the initial cut: it lies in one region and stays whole. Choose another start to cut it.",
-                match resting {
-                    1 => "1 closed part is missed by".to_owned(),
-                    n => format!("{n} closed parts are missed by"),
-                }
-            )
-        });
-        let notes: Vec<String> = uncut.into_iter().chain(layout.notice.clone()).collect();
-        (!notes.is_empty()).then(|| notes.join(" "))
-    }
-
     pub fn cut_report(&self, seconds: Option<f64>) -> Result<CutReport, Problem> {
         let (Some(layout), Some(flow)) = (&self.layout, &self.flow) else {
             return Err(Problem::new(
@@ -380,6 +364,7 @@ impl Work {
             mm_per_unit: size::mm_per_file_unit(&self.document, &self.settings),
             penalty: energy.penalty,
             region_area: energy.area,
+            notices: self.notices(layout),
             symmetry: self.layers.symmetry.ids.clone(),
             fold: None,
             seconds,

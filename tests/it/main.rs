@@ -8,6 +8,7 @@
     reason = "a test may stop where it meets what it does not expect, and reads and writes files"
 )]
 
+mod closed_curves;
 mod cutgraphs;
 mod cutting;
 mod doctoring;
@@ -34,3 +35,4 @@ mod studio_files;
 mod surfaces;
 mod symmetries;
 mod tidy;
+mod weaknesses;

@@ -117,6 +117,11 @@ struct FlattenArgs {
 }
 
 fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    if cut::asks_for_parameters(&words) {
+        cut::list_parameters();
+        return ExitCode::SUCCESS;
+    }
     let result = match Cli::parse().command {
         Task::Info { mesh, report } => info(&mesh, &report),
         Task::Repair { mesh, only, output, report } => repair(&mesh, &only, &output, &report),

@@ -15,7 +15,7 @@
 //! label, so the cut never jumps more than one edge (the first step is a disturbance and up to three descents: up to four edges;
 //! steps made on a coarse surface and the leap beyond a saddle are many such steps in one, and of the former only the number
 //! of regions is compared); patches are neither torn, joined nor pierced unless [`Topology`] allows it; with
-//! more than two regions a patch may shrink away. A [`Schedule`] that changes α changes what J means, between steps. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
+//! more than two regions a patch may shrink away, and where nothing else is chosen patches of one label may join. A [`Schedule`] that changes α changes what J means, between steps. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
 
 mod band;
 mod coarse;
@@ -396,6 +396,12 @@ impl CutFlow {
     /// The factor of the cut surface's Laplacian over the mesh's vertices (identity rows where u = 0 is prescribed).
     pub fn factor(&mut self) -> &mut Factor {
         self.state.solution.factor()
+    }
+
+    /// Numeric factorisations of the surface's Laplacian so far, all by one analysis: one for each trial, and one for the
+    /// disturbance.
+    pub fn factorisations(&self) -> usize {
+        self.problem.analysis.factorisation_count()
     }
 
     /// What is needed to go on from here.

@@ -69,7 +69,7 @@ impl CutFlow {
             &self.problem.mesh,
             &self.state.levels.labels,
             &mut levels,
-            self.params.topology,
+            self.params.topology.resolved(vanish),
             vanish,
             self.mean_edge,
             moved,
