@@ -204,8 +204,9 @@ impl Work {
         let packing = self.layout.as_ref().map(|l| &l.packing);
         // The flow's factor belongs to the triangles that it solves on.
         if let Some(flow) = self.flow.as_mut().filter(|_| surface.solving.is_none()) {
-            let layout =
-                Layout::preview(surface, flow.cut_mesh(), flow.factor(), packing).map_err(wrong)?;
+            let cut = flow.cut_mesh();
+            let factor = flow.factor().map_err(|error| wrong(error.into()))?;
+            let layout = Layout::preview(surface, cut, factor, packing).map_err(wrong)?;
             if layout.is_complete() {
                 self.put_layout(layout);
                 return Ok(());
@@ -224,13 +225,17 @@ impl Work {
 
     pub fn settle(&mut self) -> Result<(), Problem> {
         let surface = self.document.surface()?;
-        let packing = self.layout.as_ref().map(|l| &l.packing);
+        // The whole layout takes the most memory of all: what it does not need makes room for it.
+        if let Some(flow) = &mut self.flow {
+            flow.rest();
+        }
+        let packing = self.layout.take().map(|layout| layout.packing);
         let finish = Finish {
             straighten: self.settings.is_on("straighten"),
             snap: self.settings.is_on("snap"),
             pins: &self.layers.pin,
         };
-        let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing)
+        let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing.as_ref())
             .map_err(|error| Problem::solve(&surface.name, &error))?;
         self.put_layout(layout);
         self.is_settled = true;

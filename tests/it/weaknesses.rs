@@ -264,7 +264,7 @@ fn weakness_6_one_factorisation_for_each_trial_and_level_sets_beside_the_cut_onl
         flow.step().unwrap();
     }
     // Values, gradient with its adjoint, and the flattening preview all use that one.
-    let _ = flow.adjoint();
+    flow.adjoint().unwrap();
     let per_step = (flow.factorisations() - 1) as f64 / 15.0;
     assert!(per_step < 1.7, "{per_step} factorisations a step, the first one with its disturbance");
     let stored = flow.mesh().vertices().filter(|&v| flow.level(v).is_some()).count();
