@@ -18,6 +18,7 @@
 mod dense;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
@@ -158,6 +159,7 @@ impl Pattern {
 pub struct Analysis {
     pattern: Pattern,
     symbolic: SymbolicCholesky<u32>,
+    factorisations: AtomicUsize,
 }
 
 impl Analysis {
@@ -172,7 +174,7 @@ impl Analysis {
             CholeskySymbolicParams::default(),
         )
         .map_err(|_| LinalgError::OutOfMemory { size: pattern.size })?;
-        Ok(Self { pattern, symbolic })
+        Ok(Self { pattern, symbolic, factorisations: AtomicUsize::new(0) })
     }
 
     /// The analysed pattern.
@@ -183,6 +185,11 @@ impl Analysis {
     /// Number of entries of the factor, zeros inside its blocks included: a solve costs about four times as many operations.
     pub fn factor_entries(&self) -> usize {
         self.symbolic.len_val()
+    }
+
+    /// Numeric factorisations that were begun with it so far: what a step of a method is measured in.
+    pub fn factorisation_count(&self) -> usize {
+        self.factorisations.load(Ordering::Relaxed)
     }
 }
 
@@ -210,6 +217,7 @@ impl Factor {
     pub fn refactor(&mut self, matrix_values: &[f64]) -> Result<(), LinalgError> {
         let analysis = &*self.analysis;
         assert_eq!(matrix_values.len(), analysis.pattern.entry_count());
+        analysis.factorisations.fetch_add(1, Ordering::Relaxed);
         let result = analysis.symbolic.factorize_numeric_llt(
             &mut self.values,
             SparseColMatRef::new(analysis.pattern.symbolic(), matrix_values),

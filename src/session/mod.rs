@@ -19,6 +19,7 @@ mod inputs;
 mod layout;
 mod message;
 mod method;
+mod notices;
 mod overlays;
 mod paint;
 mod params;

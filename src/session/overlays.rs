@@ -42,11 +42,11 @@ impl Work {
                 return Ok(Some(labels.into_iter().map(f64::from).collect()));
             }
             "adjoint" => {
+                let Some(flow) = &mut self.flow else { return Ok(None) };
+                let name = &self.document.name;
+                let q = flow.adjoint().map_err(|error| Problem::solve(name, &error))?;
                 // p = −q.
-                return Ok(self
-                    .flow
-                    .as_mut()
-                    .map(|flow| flow.adjoint().into_iter().map(|q| -q).collect()));
+                return Ok(Some(q.into_iter().map(|q| -q).collect()));
             }
             id if STAGES.contains(&id) => {}
             _ => return Ok(None),

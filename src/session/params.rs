@@ -209,7 +209,8 @@ impl Settings {
             topology: match self.text("topology") {
                 "merge" => Topology::Merge,
                 "free" => Topology::Free,
-                _ => Topology::Preserve,
+                "preserve" => Topology::Preserve,
+                _ => Topology::Adaptive,
             },
             schedule: (self.text("schedule") == "changing").then(|| Schedule {
                 length_end: self.number("length_end"),

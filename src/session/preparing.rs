@@ -17,7 +17,7 @@ use crate::mesh::doctor::FindingKind;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 use crate::methods::prepare::{
     DecimateFlow, DecimateParams, EdgeTarget, Prepared, RemeshFlow, RemeshParams, SubdivideFlow,
-    SubdivideParams, SubdivideRule, Surface, TOO_COARSE, coarseness,
+    SubdivideParams, SubdivideRule, Surface, TOO_COARSE,
 };
 
 /// Faces beyond which the page has trouble with memory.
@@ -217,7 +217,7 @@ fn values_of(
 /// All tools, with advice for a document; none for one that needs repair.
 pub fn tools(document: &Document) -> Vec<ToolSpec> {
     let Some(surface) = &document.surface else { return Vec::new() };
-    let coarse = coarseness(&surface.mesh, &surface.geometry.positions);
+    let coarse = surface.coarseness;
     let faces = document.triangles.len();
     let number =
         |id: &str, label: &str, unit: &str, range: [f64; 3], default: f64, help: &str| ToolParam {

@@ -70,6 +70,8 @@ pub struct CutReport {
     pub penalty: f64,
     /// Area of the first region, where its growth is rewarded.
     pub region_area: f64,
+    /// What a person should know of the cut as a whole.
+    pub notices: Vec<NoticeText>,
     /// Symmetries that the cut keeps.
     pub symmetry: Vec<String>,
     /// The surface rebuilt from the flat pieces, where that was asked for.

@@ -223,11 +223,13 @@ fn cut() -> Vec<ParamSpec> {
             .group(cut).logarithmic().advanced(),
         choice(cut, "topology", "Topology",
             &[
+                ("adaptive", "Automatic"),
                 ("preserve", "Preserve"),
                 ("merge", "May merge"),
                 ("free", "Free"),
             ],
-            "Preserve: pieces are neither torn, joined nor pierced. May merge: neighbouring pieces of one label may grow together.")
+            "Preserve: pieces are neither torn, joined nor pierced. May merge: neighbouring pieces of one label may grow together. \
+             Automatic: preserved with two regions, merging with more, which then reach better cuts.")
             .advanced(),
     ]
 }

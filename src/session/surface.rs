@@ -12,6 +12,7 @@ use nalgebra::Vector3;
 use super::text::Problem;
 use crate::geometry::{Geometry, Intrinsic, UnitFrame, face_curvatures, without_slivers};
 use crate::mesh::{Mesh, Soup, Topology, VertexId};
+use crate::methods::prepare::coarseness;
 
 /// An oriented manifold of unit area.
 #[derive(Clone, Debug)]
@@ -38,6 +39,8 @@ pub struct Surface {
     pub vertex_normals: Vec<Vector3<f64>>,
     /// Gaussian curvature at the vertices: mean over the faces.
     pub vertex_curvatures: Vec<f64>,
+    /// How large its triangles are against its curvature: see [`coarseness`].
+    pub coarseness: f64,
 }
 
 impl Surface {
@@ -66,6 +69,7 @@ impl Surface {
             face_to_vertex(solved_mesh, solved, &face_curvatures(solved_mesh, solved));
         let vertex_normals = geometry.vertex_normals(&mesh);
         let topology = mesh.topology();
+        let coarseness = coarseness(&mesh, &geometry.positions);
         Ok(Self {
             name: name.to_owned(),
             soup,
@@ -78,6 +82,7 @@ impl Surface {
             solving,
             vertex_normals,
             vertex_curvatures,
+            coarseness,
         })
     }
 

@@ -253,8 +253,9 @@ impl Work {
         let packing = self.layout.as_ref().map(|l| &l.packing);
         // The flow's factor belongs to the triangles that it solves on.
         if let Some(flow) = self.flow.as_mut().filter(|_| surface.solving.is_none()) {
-            let layout =
-                Layout::preview(surface, flow.cut_mesh(), flow.factor(), packing).map_err(wrong)?;
+            let cut = flow.cut_mesh();
+            let factor = flow.factor().map_err(|error| wrong(error.into()))?;
+            let layout = Layout::preview(surface, cut, factor, packing).map_err(wrong)?;
             if layout.is_complete() {
                 self.put_layout(layout);
                 return Ok(());
@@ -273,8 +274,8 @@ impl Work {
 
     pub fn settle(&mut self) -> Result<(), Problem> {
         let surface = self.document.surface()?;
-        let packing = self.layout.as_ref().map(|l| &l.packing);
         if self.method == Method::Cones {
+            let packing = self.layout.as_ref().map(|l| &l.packing);
             let Some(set) = &self.cones.set else { return Ok(()) };
             let layout = Layout::of_cones(surface, set, &self.seam_cost(), packing)
                 .map_err(|error| Problem::solve(&surface.name, &error))?;
@@ -282,12 +283,17 @@ impl Work {
             self.is_settled = true;
             return Ok(());
         }
+        // The whole layout takes the most memory of all: what it does not need makes room for it.
+        if let Some(flow) = &mut self.flow {
+            flow.rest();
+        }
+        let packing = self.layout.take().map(|layout| layout.packing);
         let finish = Finish {
             straighten: self.settings.is_on("straighten"),
             snap: self.settings.is_on("snap"),
             pins: &self.layers.pin,
         };
-        let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing)
+        let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing.as_ref())
             .map_err(|error| Problem::solve(&surface.name, &error))?;
         self.put_layout(layout);
         self.is_settled = true;
@@ -390,25 +396,6 @@ impl Work {
         Event::Measures { rows, pieces, pattern, note: self.note(layout) }
     }
 
-    /// What a person should know of the cut as a whole.
-    fn note(&self, layout: &Layout) -> Option<String> {
-        if self.method == Method::Cones {
-            return self.cones_note();
-        }
-        let resting = self.flow.as_ref().map_or(0, CutFlow::resting_components);
-        let uncut = (resting > 0).then(|| {
-            format!(
-                "{} the initial cut: it lies in one region and stays whole. Choose another start to cut it.",
-                match resting {
-                    1 => "1 closed part is missed by".to_owned(),
-                    n => format!("{n} closed parts are missed by"),
-                }
-            )
-        });
-        let notes: Vec<String> = uncut.into_iter().chain(layout.notice.clone()).collect();
-        (!notes.is_empty()).then(|| notes.join(" "))
-    }
-
     pub fn cut_report(&self, seconds: Option<f64>) -> Result<CutReport, Problem> {
         let (Some(layout), Some(flow)) = (&self.layout, &self.flow) else {
             return Err(Problem::new(
@@ -446,6 +433,7 @@ impl Work {
             mm_per_unit: size::mm_per_file_unit(&self.document, &self.settings),
             penalty: energy.penalty,
             region_area: energy.area,
+            notices: self.notices(layout),
             symmetry: self.layers.symmetry.ids.clone(),
             fold: None,
             seconds,

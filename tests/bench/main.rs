@@ -2,6 +2,9 @@
 //!
 //! A ratio means something on a machine that is busy or slow; seconds do not. Each figure stands beside its limit.
 
+mod memory;
+mod spheres;
+
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -10,7 +13,7 @@ use cutflow::linalg::{Analysis, Factor};
 use cutflow::mesh::{Mesh, read};
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial, Weights};
 use cutflow::methods::flow::{Flow, Status};
-use cutflow::session::{Command, Session, samples};
+use cutflow::session::{Command, Layout, Session, Surface, samples};
 use nalgebra::{Point3, Vector3};
 
 /// One figure.
@@ -79,6 +82,75 @@ fn step_time(flow: &mut CutFlow, steps: usize) -> f64 {
         });
     }
     total / (flow.steps() - before) as f64
+}
+
+/// Median time of a trial, and of the adjoint solve that goes before it: cut mesh, assembly, factorisation, solves, energy.
+fn trial_time(flow: &mut CutFlow, repeats: usize) -> f64 {
+    let length = 1e-4 * flow.mean_edge_length();
+    let trial = |_| {
+        seconds(|| {
+            flow.directional_derivative(|_| 1.0, length).expect("a small move can be evaluated");
+        })
+    };
+    median((0..repeats).map(trial).collect())
+}
+
+/// Mean time of a step with the flattened preview that follows it in the page.
+fn previewed_step_time(surface: &Surface, flow: &mut CutFlow, steps: usize) -> f64 {
+    let mut total = 0.0;
+    let mut packing = None;
+    let before = flow.steps();
+    while flow.steps() < before + steps && flow.status() == Status::Running {
+        total += seconds(|| {
+            flow.step().expect("the surface can be cut");
+            let cut = flow.cut_mesh();
+            let factor = flow.factor().expect("it was factored");
+            let layout = Layout::preview(surface, cut, factor, packing.as_ref())
+                .expect("the cut can be opened");
+            packing = Some(layout.packing);
+        });
+    }
+    total / (flow.steps() - before) as f64
+}
+
+/// A sphere as a session holds it.
+fn sphere_surface(frequency: u32) -> Surface {
+    let soup = samples::icosphere(frequency);
+    let triangles = (0..soup.polygon_count()).map(|i| [0, 1, 2].map(|k| soup.polygon(i)[k]));
+    let triangles: Vec<[u32; 3]> = triangles.collect();
+    let polygons = (0..u32::try_from(triangles.len()).expect("few")).collect();
+    Surface::new("sphere", std::rc::Rc::new(soup), triangles, polygons).expect("it is a surface")
+}
+
+/// How the time of a step grows with the number of vertices: the exponent between the smallest and the largest of three sizes.
+fn growth() -> Vec<Row> {
+    let mut rows = Vec::new();
+    let mut points = Vec::new();
+    for frequency in [32, 64, 128] {
+        let (mesh, geometry) = sphere(frequency);
+        let vertices = mesh.vertex_count();
+        let plane = Initial::Plane { point: Point3::origin(), normal: Vector3::z() };
+        let mut flow =
+            CutFlow::new(mesh, geometry, &plane, params(10.0, 0.0)).expect("a sphere can be cut");
+        // Without the disturbance of the first step.
+        step_time(&mut flow, 1);
+        let time = step_time(&mut flow, 8);
+        points.push((vertices as f64, time));
+        rows.push(Row {
+            name: format!("step, two regions, {vertices} vertices"),
+            value: 1e3 * time,
+            unit: "ms",
+            limit: None,
+        });
+    }
+    let [(v, s), .., (w, t)] = points[..] else { return rows };
+    rows.push(Row {
+        name: "exponent of the time of a step, 10 k to 164 k vertices".into(),
+        value: (t / s).ln() / (w / v).ln(),
+        unit: "",
+        limit: Some(1.3),
+    });
+    rows
 }
 
 /// In the precision of binary files.
@@ -181,9 +253,14 @@ fn steps_to_the_end() -> Vec<Row> {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments.iter().any(|a| a == memory::RUN) {
+        memory::run();
+        return;
+    }
     let is_quick = arguments.iter().any(|a| a == "--quick");
     let json = arguments.iter().position(|a| a == "--json").and_then(|i| arguments.get(i + 1));
-    let mut rows = Vec::new();
+    // First, while this process is small itself.
+    let mut rows = memory::rows();
 
     let sizes: &[u32] = if is_quick { &[32] } else { &[32, 64] };
     for &frequency in sizes {
@@ -215,10 +292,33 @@ fn main() {
                 unit: "factorisations",
                 limit: Some(limit),
             });
+            rows.push(Row {
+                name: format!("trial, {name}, {vertices} vertices"),
+                value: trial_time(&mut flow, repeats) / factorisation(&mesh, &geometry, repeats),
+                unit: "factorisations",
+                limit: Some(1.5),
+            });
+            let surface = sphere_surface(frequency);
+            let mut flow =
+                CutFlow::new(surface.mesh.clone(), surface.geometry.clone(), &initial, weights)
+                    .expect("the sphere can be cut");
+            let before = factorisation(&mesh, &geometry, repeats);
+            let time = previewed_step_time(&surface, &mut flow, steps);
+            let after = factorisation(&mesh, &geometry, repeats);
+            rows.push(Row {
+                name: format!("step with preview, {name}, {vertices} vertices"),
+                value: time / (0.5 * (before + after)),
+                unit: "factorisations",
+                limit: Some(limit),
+            });
         }
     }
 
+    rows.extend(growth());
     rows.extend(steps_to_the_end());
+    if !is_quick {
+        rows.extend(spheres::rows());
+    }
 
     let (mesh, geometry) = sphere(32);
     let plane = Initial::Plane { point: Point3::origin(), normal: Vector3::z() };

@@ -14,20 +14,20 @@ use nalgebra::{Point3, Vector3};
 
 use crate::surfaces::Surface;
 
-fn weights(dirichlet: f64, hencky: f64, length: f64) -> CutFlowParams {
+pub fn weights(dirichlet: f64, hencky: f64, length: f64) -> CutFlowParams {
     let weights = Weights { dirichlet, hencky, length, ..Weights::default() };
     CutFlowParams { weights, ..CutFlowParams::default() }
 }
 
-fn plane(x: f64, y: f64, z: f64) -> Initial {
+pub fn plane(x: f64, y: f64, z: f64) -> Initial {
     Initial::Plane { point: Point3::origin(), normal: Vector3::new(x, y, z) }
 }
 
-fn clusters() -> Initial {
+pub fn clusters() -> Initial {
     Initial::NormalClusters { angle: 60f64.to_radians(), regions: 10 }
 }
 
-fn flow(surface: Surface, initial: &Initial, params: CutFlowParams) -> CutFlow {
+pub fn flow(surface: Surface, initial: &Initial, params: CutFlowParams) -> CutFlow {
     CutFlow::new(surface.mesh, surface.geometry, initial, params).unwrap()
 }
 
@@ -148,7 +148,7 @@ fn run_checked(flow: &mut CutFlow, steps: usize) {
 }
 
 /// Number of connected regions of equal label.
-fn regions(flow: &CutFlow) -> usize {
+pub fn regions(flow: &CutFlow) -> usize {
     let (mesh, labels) = (flow.mesh(), flow.state().labels());
     let mut seen = vec![false; labels.len()];
     let mut count = 0;

@@ -803,7 +803,7 @@ fn the_preview_of_a_running_flow_is_the_full_flattening_and_moves_gently() {
     let mut jumps = 0;
     for step in 0..40 {
         let case = Case::new(&mesh, &geometry.positions, &flow.cut_mesh());
-        let preview = bff_with(&case.opened, &case.geometry, flow.factor()).unwrap();
+        let preview = bff_with(&case.opened, &case.geometry, flow.factor().unwrap()).unwrap();
         let full = case.flatten();
         assert_eq!(preview.charts, full.charts);
         for (a, b) in preview.uv.iter().zip(&full.uv).filter(|(a, _)| !a.x.is_nan()) {

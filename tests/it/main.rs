@@ -10,6 +10,7 @@
 
 mod cone_sessions;
 mod cones;
+mod closed_curves;
 mod cutgraphs;
 mod cutting;
 mod doctoring;
@@ -38,3 +39,4 @@ mod studio_files;
 mod surfaces;
 mod symmetries;
 mod tidy;
+mod weaknesses;

@@ -13,7 +13,7 @@ use crate::{process, project, sizes, tools};
 const NATIVE_STEP: &str = "session step, ball, native";
 
 /// How much slower than natively the engine may be in a browser.
-const WASM_LIMIT: f64 = 3.0;
+const WASM_LIMIT: f64 = 2.2;
 
 /// Measures natively, then the same script in wasm, then the sizes of the wasm files.
 pub fn bench(mut args: Args) -> Result<()> {

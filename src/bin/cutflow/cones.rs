@@ -208,10 +208,6 @@ fn bring(session: &mut Session, args: &ConesArgs) -> Result<(), Problem> {
 }
 
 pub fn run(args: &ConesArgs) -> Result<(), Problem> {
-    if args.values.iter().any(|text| text == "help") {
-        super::cut::list_parameters(cutflow::session::Method::Cones);
-        return Ok(());
-    }
     let mut session = Session::new();
     let document = open(&args.mesh)?;
     document.surface()?;

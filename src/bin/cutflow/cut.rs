@@ -286,10 +286,33 @@ fn bring(session: &mut Session, args: &CutArgs) -> Result<(), Problem> {
     Ok(())
 }
 
+/// Whether a command line asks for the list of parameters: that needs no mesh, which the parser would insist on.
+pub fn asks_for_parameters(words: &[String]) -> Option<Method> {
+    let method = match words.first()?.as_str() {
+        "cut" => Method::CutFlow,
+        "cones" => Method::Cones,
+        _ => return None,
+    };
+    let is_asked = words.iter().any(|word| word == "--set=help")
+        || words.windows(2).any(|pair| pair == ["--set", "help"]);
+    is_asked.then_some(method)
+}
+
+/// A start that is neither a name nor a file.
+fn unknown_start(init: &str) -> Problem {
+    Problem::new(
+        format!("There is no start called “{init}”, and no such file."),
+        "--init.",
+        format!("Choose one of {}; or give the cut.json of another run.", INITS.join(", ")),
+    )
+}
+
 pub fn run(args: &CutArgs) -> Result<(), Problem> {
-    if args.values.iter().any(|text| text == "help") {
-        list_parameters(Method::CutFlow);
-        return Ok(());
+    if let Some(init) = &args.init
+        && !INITS.contains(&init.as_str())
+        && !Path::new(init).exists()
+    {
+        return Err(unknown_start(init));
     }
     let mut session = Session::new();
     let document = open(&args.mesh)?;
@@ -339,6 +362,9 @@ pub fn run(args: &CutArgs) -> Result<(), Problem> {
             report.hencky
         );
         print_flattening(&report.flattening);
+    }
+    for notice in &report.notices {
+        eprintln!("note: {}", notice.text);
     }
     warn_of_charts(session.layout()?);
     if let Some(folder) = &args.output {

@@ -123,6 +123,11 @@ struct FlattenArgs {
 }
 
 fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(method) = cut::asks_for_parameters(&words) {
+        cut::list_parameters(method);
+        return ExitCode::SUCCESS;
+    }
     let result = match Cli::parse().command {
         Task::Info { mesh, report } => info(&mesh, &report),
         Task::Repair { mesh, only, output, report } => repair(&mesh, &only, &output, &report),

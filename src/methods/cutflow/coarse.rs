@@ -56,6 +56,11 @@ impl Coarse {
     pub fn save(&self) -> SavedCoarse {
         SavedCoarse { checkpoint: Box::new(self.flow.checkpoint()), failures: self.failures }
     }
+
+    /// Gives back what can be made anew.
+    pub fn rest(&mut self) {
+        self.flow.rest();
+    }
 }
 
 impl CutFlow {

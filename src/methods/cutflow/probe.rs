@@ -55,7 +55,6 @@ impl CutFlow {
 
     /// Evaluates level sets whole.
     fn state_of(&mut self, levels: LevelSets) -> Result<CutState, SolveError> {
-        // The spare solution becomes that of the state for good: what evaluates next makes one of its own.
         let (cut, solution) = self.evaluate(&levels)?;
         let (levels, response) = LevelSets::rebuild(&self.problem, &cut, levels, self.mean_edge);
         Ok(CutState { levels, response, cut, solution })

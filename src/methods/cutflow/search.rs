@@ -30,11 +30,12 @@ pub(super) enum Smoothing {
 }
 
 impl CutFlow {
-    pub(super) fn gradient(&mut self) -> Vec<f64> {
-        let mut forces = Vec::new();
+    pub(super) fn gradient(&mut self) -> Result<Vec<f64>, LinalgError> {
         let CutState { levels, response, cut, solution } = &mut self.state;
-        self.problem.crossing_forces(cut, &levels.labels, &self.weights, solution, &mut forces);
-        response.pull_back(&self.problem, cut, levels, &forces)
+        let (problem, shared) = (&self.problem, &mut self.shared);
+        let forces =
+            problem.crossing_forces(cut, &levels.labels, &self.weights, solution, shared)?;
+        Ok(response.pull_back(problem, cut, levels, &forces))
     }
 
     /// Moves the level sets by `scale` · `direction` and evaluates; `None` if the result cannot be used at all.
@@ -69,7 +70,7 @@ impl CutFlow {
             &self.problem.mesh,
             &self.state.levels.labels,
             &mut levels,
-            self.params.topology,
+            self.params.topology.resolved(vanish),
             vanish,
             self.mean_edge,
             moved,
@@ -100,7 +101,8 @@ impl CutFlow {
     /// The seeded smooth disturbance.
     pub(super) fn kick(&mut self, seed: u64) -> Result<(), SolveError> {
         let Problem { mesh, geometry, analysis, .. } = &self.problem;
-        let field = init::smooth_noise(mesh, geometry, analysis, seed)?;
+        let shared = &mut self.shared;
+        let field = init::smooth_noise(mesh, geometry, analysis, seed, shared)?;
         let mesh = &self.problem.mesh;
         let mut displacement: Vec<f64> = self
             .state
@@ -158,7 +160,7 @@ impl CutFlow {
             Smoothing::Edges(count) => count * self.mean_edge,
         };
         let mut metric = CurveMetric::new(&self.state.cut, smoothing, self.mean_edge)?;
-        let mut gradient = self.gradient();
+        let mut gradient = self.gradient()?;
         metric.clip(&mut gradient, clip, self.mean_edge);
         let z = metric.raise(&gradient);
 

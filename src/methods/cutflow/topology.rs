@@ -7,7 +7,7 @@
 //! Where patches may merge, the new label may meet the link in several arcs, and the old one too as long as its arcs are joined
 //! elsewhere: the patch that is left stays in one piece.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 
 use super::band::LevelSets;
 use super::params::Topology;
@@ -50,7 +50,7 @@ pub(super) fn keep_simple(
             let reachable = mesh.outgoing(v).any(|h| old[mesh.tip(h).index()] == wanted);
             let allowed = reachable
                 && match topology {
-                    Topology::Preserve => is_simple(mesh, &labels, v, wanted, vanish),
+                    Topology::Preserve | Topology::Adaptive => is_simple(mesh, &labels, v, wanted, vanish),
                     Topology::Merge => {
                         is_simple(mesh, &labels, v, wanted, true)
                             || (arcs(mesh, &labels, v, wanted) > 0
@@ -99,24 +99,50 @@ fn arcs(mesh: &Mesh, labels: &[u32], v: VertexId, label: u32) -> usize {
 }
 
 /// Whether the patch of a vertex stays in one piece without it: all its neighbours of the same label reach each other.
-/// **Costs** the size of the patch in the worst case; few vertices need it.
+///
+/// Searches from all of them in turn, until they have met or one has nowhere left to go. **Costs** the size of the smaller part
+/// where the patch would be torn; of the way around where it would not. Few vertices need it.
 fn keeps_together(mesh: &Mesh, labels: &[u32], v: VertexId) -> bool {
     let own = labels[v.index()];
     let around = |w: VertexId| {
         mesh.outgoing(w).map(|h| mesh.tip(h)).filter(|&x| x != v && labels[x.index()] == own)
     };
-    let mut wanted: Vec<VertexId> = around(v).collect();
-    let Some(start) = wanted.pop() else { return true };
-    let mut seen = BTreeSet::from([start]);
-    let mut queue = VecDeque::from([start]);
-    while let Some(w) = queue.pop_front() {
-        wanted.retain(|&x| x != w);
-        if wanted.is_empty() {
-            return true;
+    let mut queues: Vec<VecDeque<VertexId>> = around(v).map(|w| VecDeque::from([w])).collect();
+    // Which search came to a vertex first, and which searches have met: each names one that it belongs to.
+    let mut owners: BTreeMap<VertexId, usize> =
+        queues.iter().enumerate().map(|(i, queue)| (queue[0], i)).collect();
+    let mut groups: Vec<usize> = (0..queues.len()).collect();
+    let root = |groups: &[usize], mut i: usize| {
+        while groups[i] != i {
+            i = groups[i];
         }
-        queue.extend(around(w).filter(|&x| seen.insert(x)));
+        i
+    };
+    let mut left = queues.len();
+    while left > 1 {
+        for i in 0..queues.len() {
+            let Some(w) = queues[i].pop_front() else { continue };
+            for x in around(w) {
+                let &mut other = owners.entry(x).or_insert_with(|| {
+                    queues[i].push_back(x);
+                    i
+                });
+                let (a, b) = (root(&groups, i), root(&groups, other));
+                if a != b {
+                    groups[a] = b;
+                    left -= 1;
+                }
+            }
+        }
+        // A group whose searches have all ended is a part of its own.
+        let is_alive = |group: usize| {
+            (0..queues.len()).any(|i| root(&groups, i) == group && !queues[i].is_empty())
+        };
+        if left > 1 && !(0..groups.len()).filter(|&i| groups[i] == i).all(is_alive) {
+            return false;
+        }
     }
-    false
+    true
 }
 
 #[cfg(test)]
@@ -146,5 +172,26 @@ mod tests {
         assert!(!simple([1, 1, 1, 1, 1, 1], false), "would end a patch");
         assert!(simple([1, 1, 1, 1, 1, 1], true));
         assert!(!simple([1, 2, 1, 2, 2, 2], true), "would join two arms over a dying patch");
+    }
+
+    #[test]
+    fn a_patch_keeps_together_where_there_is_a_way_around() {
+        // A hub with two rings of six.
+        let mut triangles: Vec<[u32; 3]> = Vec::new();
+        for i in 0..6 {
+            let [a, b] = [i, (i + 1) % 6].map(|k| 1 + k);
+            triangles.extend([[0, a, b], [a, a + 6, b], [b, a + 6, b + 6]]);
+        }
+        let mesh = Mesh::new(13, &triangles).unwrap();
+        let keeps = |inner: [u32; 6], outer: [u32; 6]| {
+            let labels: Vec<u32> = [&[0], &inner[..], &outer[..]].concat();
+            keeps_together(&mesh, &labels, VertexId(0))
+        };
+        assert!(keeps([0, 0, 1, 1, 1, 1], [1; 6]), "one arc");
+        assert!(keeps([1; 6], [0; 6]), "the last one of its piece tears nothing");
+        assert!(!keeps([0, 1, 1, 0, 1, 1], [1; 6]), "two arms");
+        assert!(keeps([0, 1, 1, 0, 1, 1], [0; 6]), "two arms that meet outside");
+        assert!(!keeps([0, 1, 0, 1, 0, 1], [0, 0, 0, 1, 0, 1]), "two of three meet");
+        assert!(keeps([0, 1, 0, 1, 0, 1], [0, 0, 0, 0, 0, 1]), "all three meet");
     }
 }

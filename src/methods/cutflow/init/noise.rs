@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use crate::geometry::{Geometry, Laplacian};
-use crate::linalg::{Analysis, Factor, LinalgError};
+use crate::linalg::{Analysis, LinalgError};
 use crate::mesh::Mesh;
+use crate::methods::cutflow::energy::SharedFactor;
 
 /// Correlation length of the kick for a surface of unit area.
 const KICK_LENGTH: f64 = 0.08;
@@ -15,6 +16,7 @@ pub(in crate::methods::cutflow) fn smooth_noise(
     geometry: &Geometry,
     analysis: &Arc<Analysis>,
     seed: u64,
+    shared: &mut SharedFactor,
 ) -> Result<Vec<f64>, LinalgError> {
     let areas = geometry.vertex_dual_areas(mesh);
     let Laplacian { pattern, mut values, .. } = Laplacian::new(mesh, geometry);
@@ -25,14 +27,14 @@ pub(in crate::methods::cutflow) fn smooth_noise(
         // Isolated vertices have no area and take no part.
         values[pattern.diagonal(v)] += if *area > 0.0 { *area } else { 1.0 };
     }
-    let mut factor = Factor::new(analysis.clone(), &values)?;
+    shared.refactor(analysis, &values)?;
     let mut state = seed;
     let mut field: Vec<f64> = (0..mesh.vertex_count()).map(|_| noise(&mut state)).collect();
-    factor.solve(&mut field, 1);
+    shared.solve(&mut field);
     for (x, area) in field.iter_mut().zip(&areas) {
         *x *= area;
     }
-    factor.solve(&mut field, 1);
+    shared.solve(&mut field);
     Ok(field)
 }
 

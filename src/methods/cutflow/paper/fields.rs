@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::super::band::LevelSets;
 use super::super::cut::{Corner, Cut};
-use super::super::energy::{Element, Problem, Solution};
+use super::super::energy::{Element, Problem};
 use super::super::terms::Weights;
 use super::prices::length_price;
 use super::sides::Sides;
@@ -19,7 +19,7 @@ const UNREACHED: f64 = 10.0;
 ///
 /// The factor holds the mesh's boundary too; there the values go linearly along the boundary from one end of a cut to the next,
 /// and are 0 on loops that no cut meets. **Costs** one solve.
-pub(super) fn extend(sides: &Sides, at_sides: &[f64], solution: &mut Solution) -> Vec<f64> {
+pub(super) fn extend(sides: &Sides, at_sides: &[f64], factor: &mut Factor) -> Vec<f64> {
     let (problem, cut) = (sides.problem, sides.cut);
     let (mesh, geometry) = (&problem.mesh, &problem.geometry);
     let held = boundary_values(sides, at_sides);
@@ -67,7 +67,7 @@ pub(super) fn extend(sides: &Sides, at_sides: &[f64], solution: &mut Solution) -
             }
         }
     }
-    solution.factor().solve(&mut field, 1);
+    factor.solve(&mut field, 1);
     field
 }
 

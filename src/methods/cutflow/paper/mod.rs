@@ -266,7 +266,7 @@ impl CutFlow {
     fn survey(&mut self) -> Result<Survey, SolveError> {
         let weights = self.weights;
         let CutState { levels, cut, solution, .. } = &mut self.state;
-        let q = self.problem.adjoint(cut, &weights, solution);
+        let q = self.problem.adjoint(cut, &weights, solution, &mut self.shared)?;
         let sides = Sides::new(&self.problem, cut, &levels.labels);
         let fluxes = sides.fluxes(&weights, &solution.u, &q, self.mean_edge)?;
         let speed: Vec<f64> = (0..cut.crossings.len())
@@ -286,7 +286,8 @@ impl CutFlow {
                 at_sides.push(mean);
             }
         }
-        let extension = extend(&sides, &at_sides, solution);
+        let factor = self.shared.of(&self.problem.analysis, solution)?;
+        let extension = extend(&sides, &at_sides, factor);
         let fastest = speed.iter().fold(0.0f64, |m, s| m.max(s.abs()));
         let dual_lengths = sides.dual_lengths;
         let distances = Distances::new(&self.problem, cut, levels);

@@ -1,0 +1,63 @@
+//! What a person should know of a cut as a whole: under the table of measures, in reports, and on the terminal.
+
+use super::method::Method;
+use super::layout::Layout;
+use super::message::NoticeText;
+use super::work::Work;
+use crate::methods::cutflow::CutFlow;
+use crate::methods::prepare::TOO_COARSE;
+
+impl Work {
+    /// All notices of the current cut.
+    pub fn notices(&self, layout: &Layout) -> Vec<NoticeText> {
+        let mut notices = Vec::new();
+        if let Some(flow) = &self.flow {
+            notices.extend(uncut_parts(flow));
+            notices.extend(self.coarse_mesh());
+        }
+        notices.extend(layout.notice.iter().map(|text| NoticeText::new("outlines", 1, text)));
+        notices
+    }
+
+    /// The same as one text.
+    pub fn note(&self, layout: &Layout) -> Option<String> {
+        if self.method == Method::Cones {
+            let coarse = self.coarse_mesh().map(|notice| notice.text);
+            let texts: Vec<String> = self.cones_note().into_iter().chain(coarse).collect();
+            return (!texts.is_empty()).then(|| texts.join(" "));
+        }
+        let texts: Vec<String> = self.notices(layout).into_iter().map(|n| n.text).collect();
+        (!texts.is_empty()).then(|| texts.join(" "))
+    }
+
+    /// That the triangles are too large for the curvature: the flow runs all the same, on what linear functions can tell.
+    fn coarse_mesh(&self) -> Option<NoticeText> {
+        let coarseness = self.document.surface.as_ref()?.coarseness;
+        (coarseness > TOO_COARSE).then(|| {
+            NoticeText::new(
+                "coarse_mesh",
+                1,
+                format!(
+                    "The mesh is coarse for its curvature: edges span {:.0}° of it, more than {:.0}°, so that cut and measures are rough. \
+                     Refine it under Prepare first, or by the command prepare with --tool refine.",
+                    coarseness.to_degrees(),
+                    TOO_COARSE.to_degrees()
+                ),
+            )
+        })
+    }
+}
+
+/// Closed components that the initial cut leaves whole.
+fn uncut_parts(flow: &CutFlow) -> Option<NoticeText> {
+    let count = flow.resting_components();
+    let who = match count {
+        0 => return None,
+        1 => "1 closed part is missed by".to_owned(),
+        n => format!("{n} closed parts are missed by"),
+    };
+    let text = format!(
+        "{who} the initial cut: it lies in one region and stays whole. Choose another start to cut it."
+    );
+    Some(NoticeText::new("uncut_parts", count, text))
+}
