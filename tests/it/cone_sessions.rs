@@ -64,12 +64,14 @@ fn choosing_the_method_finds_cones_joins_them_and_flattens() {
 
 #[test]
 fn a_dearer_angle_leaves_fewer_cones_and_undo_brings_them_back() {
-    let (mut session, events) = solved("plush_bear");
+    let (mut session, _) = solved("plush_bear");
+    let mut events = set(&mut session, "lambda", Value::Number(0.002));
+    events.extend(run(&mut session));
     let many = cones(&events);
-    let mut events = set(&mut session, "lambda", Value::Number(0.04));
+    let mut events = set(&mut session, "lambda", Value::Number(0.01));
     events.extend(run(&mut session));
     let few = cones(&events);
-    assert!(few.total_angle < many.total_angle + 1e-9);
+    assert!(few.raw_count < many.raw_count);
     assert!(few.raw_int_u2 > many.raw_int_u2);
     let mut events = session.handle(Command::Undo);
     events.extend(run(&mut session));
@@ -162,8 +164,8 @@ fn cones_are_added_moved_and_removed() {
     assert!(errors(&events).is_empty(), "{:?}", errors(&events));
     let table = cones(&events);
     let free = table.cones.iter().find(|cone| cone.kind == "free").unwrap();
-    // A free cone can only help.
-    assert!(table.raw_int_u2 <= before.raw_int_u2 + 1e-9);
+    // Angle that costs nothing is used.
+    assert!(free.angle.abs() > 1e-6);
     let (added, vertex) = (free.cone, free.vertex);
     let other = table.cones.iter().find(|cone| cone.kind != "free").unwrap();
     let target = scene.triangle_faces[scene.triangle_faces.len() / 2];

@@ -6,9 +6,10 @@ use super::Cones;
 use crate::methods::cones::{ConePath, PathPoint};
 use crate::methods::flow::SolveError;
 
-/// The prices of the plot: a factor of 500 down from the first, which is where most surfaces have their last cone.
-const SAMPLES: usize = 33;
-const LOWEST: f64 = 1e-3;
+/// The prices of the plot go down to this part of the largest that matters: below it hundreds of vertices are cones, and each sample costs more
+/// than all before.
+const LOWEST: f64 = 0.02;
+const SAMPLES: usize = 25;
 
 /// The sampling that is going on.
 pub struct Tracing {
