@@ -2,12 +2,17 @@
 
 use super::aim::Search;
 use super::certificate::Certificate;
+use super::coarse::{Coarse, Stage};
 use super::error::{ConeConflict, ConeError};
 use super::extent;
 use super::greens::{self, Dictionary};
-use super::params::{Cone, ConeEvaluation, ConeFields, ConeParams, ConeState, ConeTarget};
+use super::newton::{COLD, Descent, Outcome, WARM};
+use super::params::{
+    Cone, ConeEvaluation, ConeFields, ConeMethod, ConeParams, ConeState, ConeTarget,
+};
 use super::problem::{ActiveSet, Problem};
 use super::system::{NONE, Response};
+use super::two_ring::TwoRing;
 use crate::geometry::Geometry;
 use crate::mesh::{Mesh, VertexId};
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
@@ -18,9 +23,18 @@ const TOLERANCE: f64 = 1e-10;
 /// Residual above which a finished optimum is polished further, as long as that helps.
 const POLISHED: f64 = 1e-10;
 
+/// Residual of an optimum. Rounding leaves 1e-13 to 1e-10; a wrong vertex in the support leaves 1e-5.
+const GOOD: f64 = 1e-8;
+
 /// Angles let free in one round: at least so many, and a share of those that are free already. With fewer there are more rounds,
 /// with more there are columns that nobody needs.
 const FEWEST_NEW: usize = 6;
+
+/// Green's functions computed in one step: what keeps a step short.
+const MOST_COLUMNS: usize = 64;
+
+/// Green's functions that are remembered beyond those in use: k² / 2 numbers, 64 MB.
+const MOST_REMEMBERED: usize = 4096;
 
 /// Optimal cones, one bounded step at a time.
 ///
@@ -29,9 +43,14 @@ const FEWEST_NEW: usize = 6;
 /// the objective falls from step to step; Newton's steps may rise. **Ends** `Converged` at the certified optimum; `Infeasible` when [`ConeFlow::aim`]
 /// cannot be met (the state is then the nearest); `Stalled` where rounding ends progress before the certificate is good.
 pub struct ConeFlow {
+    mesh: Mesh,
+    geometry: Geometry,
+    fields: ConeFields,
     pub(super) problem: Problem,
-    pub(super) fields: ConeFields,
     pub(super) dictionary: Dictionary,
+    /// The two-ring matrix, once it is needed.
+    two_ring: Option<TwoRing>,
+    coarse: Option<Coarse>,
     pub(super) progress: Progress,
     response: Response,
     certificate: Certificate,
@@ -53,6 +72,16 @@ pub(super) struct Progress {
     pub is_stuck: bool,
     /// Rounds that polished.
     pub polished: usize,
+    /// Columns computed since λ was changed.
+    pub columns: usize,
+    /// Whether the angles at hand are near an optimum.
+    pub is_warm: bool,
+    /// Where Newton's method is, if it is at work.
+    pub descent: Option<Descent>,
+    /// Whether Newton's method has given up on this λ.
+    pub is_lost: bool,
+    /// Whether the coarse surface has said what it can.
+    pub is_fine: bool,
     pub search: Option<Search>,
 }
 
@@ -63,6 +92,8 @@ pub struct ConeCheckpoint {
     progress: Progress,
     history: Vec<Vec<u32>>,
     lambda_max: Vec<f64>,
+    /// Steps of the coarse stage, if it was under way.
+    coarse_steps: Option<usize>,
 }
 
 impl ConeFlow {
@@ -86,9 +117,13 @@ impl ConeFlow {
         }
         let lambda_max = extent::estimate(&mut problem, &response.phi);
         let mut flow = Self {
-            problem,
+            mesh: mesh.clone(),
+            geometry: geometry.clone(),
             fields: fields.clone(),
+            problem,
             dictionary,
+            two_ring: None,
+            coarse: None,
             progress: Progress::new(set),
             response,
             certificate,
@@ -142,9 +177,63 @@ impl ConeFlow {
     fn change_lambda(&mut self, lambda: f64) {
         self.problem.params.lambda = lambda;
         self.progress.wake();
+        let order = &self.progress.set.order;
+        if self.dictionary.len() > MOST_REMEMBERED.max(2 * order.len()) {
+            self.dictionary.retain(&mut self.problem, order);
+        }
         let set = &self.progress.set;
         self.certificate = super::certificate::certify(&mut self.problem, set, &self.response);
         self.picture();
+    }
+
+    /// Goes on with other options. A new price or method goes on from the cones that there are; anything else starts anew, with the Green's functions
+    /// known so far unless the boundary mode changed. After `Err` everything is as it was.
+    pub fn set_params(&mut self, params: &ConeParams) -> Result<(), SolveError> {
+        params.validate()?;
+        let old = self.problem.params;
+        if params.boundary != old.boundary {
+            *self = Self::new(&self.mesh, &self.geometry, params, &self.fields)?;
+        } else if params.bounds.map(f64::to_bits) != old.bounds.map(f64::to_bits)
+            || params.boundary_cost.to_bits() != old.boundary_cost.to_bits()
+        {
+            let fields = self.fields.clone();
+            self.start_anew(params, &fields)?;
+        } else {
+            self.problem.params = *params;
+            self.progress.search = None;
+            self.change_lambda(params.lambda);
+        }
+        Ok(())
+    }
+
+    /// Starts anew with other fields, with the Green's functions known so far unless distortion weights changed. After `Err` everything
+    /// is as it was.
+    pub fn set_fields(&mut self, fields: &ConeFields) -> Result<(), SolveError> {
+        let params = self.problem.params;
+        if fields.distortion_weight == self.fields.distortion_weight {
+            self.start_anew(&params, fields)
+        } else {
+            *self = Self::new(&self.mesh, &self.geometry, &params, fields)?;
+            Ok(())
+        }
+    }
+
+    fn start_anew(&mut self, params: &ConeParams, fields: &ConeFields) -> Result<(), SolveError> {
+        self.problem.ask(params, fields)?;
+        self.fields = fields.clone();
+        self.coarse = None;
+        let steps = self.progress.steps;
+        self.progress = Progress { steps, ..Progress::new(self.problem.start.clone()) };
+        let set = &self.progress.set;
+        (self.response, self.certificate) = self.problem.assess(set, false);
+        self.lambda_max = extent::estimate(&mut self.problem, &self.response.phi);
+        self.picture();
+        Ok(())
+    }
+
+    /// The surface's metric.
+    pub(super) fn geometry(&self) -> &Geometry {
+        &self.geometry
     }
 
     /// Goes on until the optimum has what is asked for.
@@ -174,19 +263,34 @@ impl ConeFlow {
             progress: self.progress.clone(),
             history: self.dictionary.history(),
             lambda_max: self.lambda_max.clone(),
+            coarse_steps: self.coarse.as_ref().map(|coarse| coarse.steps),
         }
     }
 
-    /// Goes back to a checkpoint of a flow on the same surface with the same fields. Later steps repeat bit for bit.
+    /// Goes back to a checkpoint of a flow on the same surface with the same options and fields. Later steps repeat bit for bit: Green's
+    /// functions that were not known then are forgotten, others computed as they were. **Costs** a response, and the coarse stage anew
+    /// if that was under way.
     pub fn restore(&mut self, checkpoint: &ConeCheckpoint) -> Result<(), SolveError> {
+        self.coarse = None;
+        if let Some(steps) = checkpoint.coarse_steps {
+            self.coarse = Coarse::new(&self.mesh, &self.geometry);
+            for _ in 0..steps {
+                self.coarse_step()?;
+            }
+        }
+        self.dictionary.recall(&mut self.problem, &checkpoint.history);
+        self.return_to(checkpoint);
+        Ok(())
+    }
+
+    /// Goes back to a checkpoint of this very flow and keeps the Green's functions found since.
+    pub(super) fn return_to(&mut self, checkpoint: &ConeCheckpoint) {
         self.problem.params.lambda = checkpoint.lambda;
         self.progress = checkpoint.progress.clone();
-        self.dictionary.recall(&mut self.problem, &checkpoint.history);
         self.lambda_max.clone_from(&checkpoint.lambda_max);
         let set = &self.progress.set;
         (self.response, self.certificate) = self.problem.assess(set, self.progress.is_refined);
         self.picture();
-        Ok(())
     }
 
     /// What other cones are worth.
@@ -299,9 +403,15 @@ impl ConeFlow {
                 set.release(i, sign);
             }
         }
-        let order = set.order.clone();
-        self.dictionary.add(&mut self.problem, &order);
-        let entered = order.len() - free;
+        let entered = set.order.len() - free;
+        let missing = self.dictionary.missing(&set.order);
+        self.progress.columns += missing.len().min(MOST_COLUMNS);
+        if missing.len() > MOST_COLUMNS {
+            // The rest in further steps: the angles stay as they are.
+            self.dictionary.add(&mut self.problem, &missing[..MOST_COLUMNS]);
+            return Ok(());
+        }
+        self.dictionary.add(&mut self.problem, &missing);
         let settled = greens::settle(&self.problem, &self.dictionary, &mut set, &phi, tolerance);
         let (response, certificate) = self.problem.assess(&set, false);
         if !certificate.objective.is_finite() {
@@ -314,10 +424,109 @@ impl ConeFlow {
         }
         self.progress.is_stuck = is_still && entered > 1;
         self.progress.is_settled = settled.is_done;
-        self.progress.is_refined = false;
+        self.accept(set, response, certificate);
+        Ok(())
+    }
+
+    /// One step on the coarse surface; at its end its cones are where to begin, if they are better than what there is.
+    fn coarse_step(&mut self) -> Result<(), SolveError> {
+        let Some(coarse) = &mut self.coarse else { return Ok(()) };
+        let stage = coarse.step(&self.mesh, &self.geometry, &self.problem, &self.fields)?;
+        if let Stage::Over(start) = stage {
+            self.coarse = None;
+            self.progress.is_fine = true;
+            if let Some(set) = start {
+                let (response, certificate) = self.problem.assess(&set, false);
+                if certificate.objective < self.certificate.objective {
+                    self.progress.is_warm = true;
+                    self.progress.is_settled = set.order.is_empty();
+                    self.accept(set, response, certificate);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn accept(&mut self, set: ActiveSet, response: Response, certificate: Certificate) {
         self.progress.set = set;
+        self.progress.is_refined = false;
         self.response = response;
         self.certificate = certificate;
+    }
+
+    /// Whether Newton's method is predicted to be faster from here.
+    ///
+    /// Solves move data, factorisations compute: an entry of a factor costs about as much time in a solve as four operations in a
+    /// factorisation. How many cones there will be is not known, so Green's functions go on until they have cost what Newton's method
+    /// would: at worst the two together cost twice the better one.
+    fn prefers_newton(&self) -> bool {
+        match self.problem.params.method {
+            _ if self.progress.is_lost => return false,
+            ConeMethod::Greens => return false,
+            ConeMethod::Newton => return true,
+            ConeMethod::Auto => {}
+        }
+        let n = self.problem.system.len() as f64;
+        let (entries, solves) = self.problem.system.factor_size();
+        let entries = entries as f64;
+        // The factor of the two-ring matrix has about four times the entries of L's, and entries² / n · 2 operations.
+        let (large, small) =
+            if solves == 1 { (entries, entries) } else { (4.0 * entries, entries) };
+        let factorisations = if self.progress.is_warm { 12.0 } else { 22.0 };
+        let newton = factorisations * 2.0 * large * large / n;
+        let missing = self.dictionary.missing(&self.progress.set.order).len();
+        let columns = (self.progress.columns + missing) as f64;
+        let free = self.progress.set.order.len() as f64;
+        // A column is solves; with it come about four moves of the dense problem.
+        let greens = columns * (16.0 * solves as f64 * small + 8.0 * free * free);
+        greens > newton
+    }
+
+    fn newton_round(&mut self) -> Result<(), SolveError> {
+        let Some(two_ring) = &mut self.two_ring else {
+            // The analysis is a step of its own.
+            self.two_ring = Some(match self.problem.system.two_ring() {
+                Some(own) => own.sibling(),
+                None => TwoRing::new(&self.problem.system)?,
+            });
+            return Ok(());
+        };
+        let progress = &mut self.progress;
+        if progress.descent.is_none() {
+            let phi = greens::shifted(&self.problem, &progress.set, &self.response);
+            let gamma = if progress.is_warm { WARM } else { COLD };
+            progress.descent = Some(Descent::new(phi, gamma));
+        }
+        let Some(descent) = &mut progress.descent else { return Ok(()) };
+        let mut trial = descent.clone();
+        match trial.step(&mut self.problem, two_ring)? {
+            Outcome::Guess(mut set) => {
+                *descent = trial;
+                if self.problem.repair(&mut set) {
+                    let (response, certificate) = self.problem.assess(&set, false);
+                    if certificate.objective < self.certificate.objective {
+                        self.accept(set, response, certificate);
+                    }
+                }
+            }
+            Outcome::Optimum(set) => {
+                progress.descent = None;
+                let (response, certificate) = self.problem.assess(&set, true);
+                self.accept(set, response, certificate);
+                self.progress.is_refined = true;
+                self.progress.is_settled = true;
+                if certificate.residual() < GOOD {
+                    self.progress.status = Status::Converged;
+                } else {
+                    self.progress.is_lost = true;
+                }
+            }
+            Outcome::Lost => {
+                progress.descent = None;
+                progress.is_lost = true;
+                progress.is_settled = progress.set.order.is_empty();
+            }
+        }
         Ok(())
     }
 
@@ -338,12 +547,13 @@ impl ConeFlow {
             return Ok(());
         }
         self.progress.status =
-            if self.certificate.residual() < 1e-7 { Status::Converged } else { Status::Stalled };
+            if self.certificate.residual() < GOOD { Status::Converged } else { Status::Stalled };
         Ok(())
     }
 
     /// Learns λ_max from an optimum, and goes on to the next λ of a search.
     fn conclude(&mut self) {
+        self.progress.is_warm = true;
         let set = &self.progress.set;
         let phi = greens::shifted(&self.problem, set, &self.response);
         let told = extent::from_optimum(&self.problem, set, &phi);
@@ -376,6 +586,11 @@ impl Progress {
             is_refined: false,
             is_stuck: false,
             polished: 0,
+            columns: 0,
+            is_warm: false,
+            descent: None,
+            is_lost: false,
+            is_fine: false,
             search: None,
         }
     }
@@ -386,6 +601,9 @@ impl Progress {
         self.is_settled = self.set.order.is_empty();
         self.is_stuck = false;
         self.polished = 0;
+        self.columns = 0;
+        self.descent = None;
+        self.is_lost = false;
     }
 }
 
@@ -402,7 +620,20 @@ impl Flow for ConeFlow {
 
     fn step(&mut self) -> Result<StepReport, SolveError> {
         if self.progress.status == Status::Running {
-            self.greens_round()?;
+            if !self.progress.is_fine && self.coarse.is_none() {
+                self.progress.is_fine = true;
+                if self.problem.params.multiresolution && !self.problem.is_convex {
+                    self.coarse = Coarse::new(&self.mesh, &self.geometry);
+                    self.progress.is_fine = self.coarse.is_none();
+                }
+            }
+            if self.coarse.is_some() {
+                self.coarse_step()?;
+            } else if self.progress.descent.is_some() || self.prefers_newton() {
+                self.newton_round()?;
+            } else {
+                self.greens_round()?;
+            }
             self.progress.steps += 1;
             self.picture();
             if self.progress.status == Status::Converged {

@@ -43,13 +43,30 @@ impl Dictionary {
         self.places[i as usize] as usize
     }
 
-    /// Computes the columns that are missing.
-    pub fn add(&mut self, problem: &mut Problem, dofs: &[u32]) {
-        let missing: Vec<u32> =
-            dofs.iter().copied().filter(|&i| self.places[i as usize] == NONE).collect();
+    /// Which of these have no column yet.
+    pub fn missing(&self, dofs: &[u32]) -> Vec<u32> {
+        dofs.iter().copied().filter(|&i| self.places[i as usize] == NONE).collect()
+    }
+
+    /// Computes columns that are missing.
+    pub fn add(&mut self, problem: &mut Problem, missing: &[u32]) {
         for batch in missing.chunks(BATCH) {
             self.add_batch(problem, batch);
         }
+    }
+
+    /// Forgets all but some members.
+    pub fn retain(&mut self, problem: &mut Problem, dofs: &[u32]) {
+        let mut kept = Self::new(problem.system.len());
+        for &i in dofs.iter().filter(|&&i| self.places[i as usize] != NONE) {
+            kept.places[i as usize] = u32::try_from(kept.members.len()).unwrap_or(NONE);
+            kept.members.push(i);
+            let row = kept.members.iter().map(|&j| self.entry(self.place(i), self.place(j)));
+            let row = row.collect();
+            kept.gram.push(row);
+        }
+        kept.batches = (0..kept.members.len()).step_by(BATCH).collect();
+        *self = kept;
     }
 
     fn add_batch(&mut self, problem: &mut Problem, batch: &[u32]) {
@@ -224,7 +241,7 @@ impl Dense<'_> {
             let row = dense.row(&set.order, i);
             if !dense.factor.push(&row) {
                 set.order.pop();
-                set.stances[i as usize] = stance_at(problem, set, i as usize);
+                set.stances[i as usize] = problem.stance_at(i as usize, set.angles[i as usize]);
                 return Settled { moved, is_done: true };
             }
         }
@@ -263,18 +280,6 @@ pub(super) fn settle(
     let settled = dense.descend(set, tolerance);
     set.order.extend(parked);
     settled
-}
-
-/// How an angle stands that is not free.
-fn stance_at(problem: &Problem, set: &ActiveSet, i: usize) -> Stance {
-    let angle = set.angles[i];
-    if angle > 0.0 && angle >= problem.high[i] {
-        Stance::High
-    } else if angle < 0.0 && angle <= problem.low[i] {
-        Stance::Low
-    } else {
-        Stance::Zero
-    }
 }
 
 /// The angles to be let free next: where the excess is larger than at all neighbours, the largest first, at most `limit`.

@@ -18,6 +18,7 @@
 
 mod aim;
 mod certificate;
+mod coarse;
 mod debias;
 mod edit;
 mod error;
@@ -25,7 +26,9 @@ mod extent;
 mod flow;
 mod greedy;
 mod greens;
+mod newton;
 mod params;
+mod path;
 mod problem;
 mod rounding;
 mod system;
@@ -41,5 +44,6 @@ pub use params::{
     Cone, ConeBoundary, ConeEvaluation, ConeFields, ConeMethod, ConeParams, ConeState, ConeTarget,
     LEAST_WEIGHT,
 };
+pub use path::{ConePath, PathPoint};
 pub use rounding::{RoundParams, Rounded, round_clusters};
 pub use weights::feature_size_weights;

@@ -45,14 +45,6 @@ impl ActiveSet {
         self.signs[i as usize] = sign;
         self.order.push(i);
     }
-
-    /// Number of angles that are not 0 by definition.
-    pub fn count(&self) -> usize {
-        self.stances
-            .iter()
-            .filter(|s| matches!(s, Stance::Free | Stance::Low | Stance::High))
-            .count()
-    }
 }
 
 /// The surface, its operators and what is asked for.
@@ -163,13 +155,30 @@ impl Problem {
             prices[i] = 0.0;
             (low[i], high[i]) = (low[i].max(-FREE_BOUND), high[i].min(FREE_BOUND));
         }
-        self.prices = prices;
-        self.low = low;
-        self.high = high;
-        self.params = *params;
+        let old = (
+            std::mem::replace(&mut self.prices, prices),
+            std::mem::replace(&mut self.low, low),
+            std::mem::replace(&mut self.high, high),
+            std::mem::replace(&mut self.params, *params),
+            std::mem::take(&mut self.start),
+            std::mem::take(&mut self.settled),
+            self.is_convex,
+        );
         self.start = ActiveSet { angles, stances, signs: vec![0.0; n], order: Vec::new() };
         self.settle_convex_parts();
-        self.make_feasible()
+        let result = self.make_feasible();
+        if result.is_err() {
+            (
+                self.prices,
+                self.low,
+                self.high,
+                self.params,
+                self.start,
+                self.settled,
+                self.is_convex,
+            ) = old;
+        }
+        result
     }
 
     /// On closed components whose curvature is nowhere negative (or nowhere positive) and may be its own cone everywhere at one price,

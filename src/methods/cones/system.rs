@@ -242,6 +242,14 @@ impl System {
         self.rows.iter().map(|&row| row == NONE).collect()
     }
 
+    /// The two-ring matrix, where that is what is factored.
+    pub fn two_ring(&self) -> Option<&TwoRing> {
+        match &self.kind {
+            Kind::TwoRing(two_ring) => Some(two_ring),
+            Kind::Poisson => None,
+        }
+    }
+
     /// Number of entries of the factor that [`System::respond`] solves with, and how many solves a response takes.
     pub fn factor_size(&self) -> (usize, usize) {
         match &self.kind {
@@ -275,7 +283,7 @@ impl System {
     /// Dual variables of right-hand sides: φ = B⁺ f, columns one after the other, in place.
     ///
     /// On floating components f is first brought to sum 0 and φ to weighted mean 0 (both by the mass, so that the operator stays
-    /// symmetric and positive semi-definite). `with_u` is called with the scale factors (at dofs) of every column where they arise.
+    /// symmetric and positive semi-definite).
     fn duals(&mut self, f: &mut [f64], columns: usize) {
         if self.row_count == 0 {
             f.fill(0.0);
