@@ -409,7 +409,10 @@ mod tests {
         Polygons {
             starts: vec![0, 2 * n + 4],
             side_lengths: (0..2 * n).map(side).chain(n..n + 4).collect(),
-            lengths: (0..n).map(|i| 1.0 / n as f64 * (1.0 + 0.3 * (i as f64).cos())).chain([0.4; 4]).collect(),
+            lengths: (0..n)
+                .map(|i| 1.0 / n as f64 * (1.0 + 0.3 * (i as f64).cos()))
+                .chain([0.4; 4])
+                .collect(),
             directions,
         }
     }

@@ -99,7 +99,7 @@ fn clusters_become_few_cones_at_their_vertices_and_the_sum_stays() {
         seen.sort_unstable();
         let places: Vec<VertexId> = state.cones.iter().map(|c| c.vertex).collect();
         assert_eq!(seen, places, "{name}: each cone in one cluster");
-        // A second time nothing is left to do, as far as merged cones are no neighbours.
+        // Long clusters at so small a λ cost up to 5 %.
         let e = flow.evaluate(&rounded.cones).unwrap().int_u2;
         assert!(e < state.int_u2 * 1.06, "{name}: {e} {}", state.int_u2);
     }
@@ -131,18 +131,41 @@ fn small_clusters_of_spot_cost_less_than_a_hundredth_and_are_counted_as_in_the_r
                 angle: c["angle"].as_f64().unwrap(),
             })
             .collect();
-        // All the reference's clusters are of one sign; with no limits each becomes one cone, unless it had 2π or more.
+        // Clusters by hand: how many, and the angle of each.
+        let mut totals: Vec<f64> = Vec::new();
+        let mut rest: Vec<Cone> = cones.clone();
+        while let Some(first) = rest.pop() {
+            let mut cluster = vec![first];
+            let mut next = 0;
+            while next < cluster.len() {
+                let ring: Vec<VertexId> = surface
+                    .mesh
+                    .outgoing(cluster[next].vertex)
+                    .map(|h| surface.mesh.tip(h))
+                    .collect();
+                let (found, others) = rest.into_iter().partition(|c| ring.contains(&c.vertex));
+                rest = others;
+                cluster.extend::<Vec<Cone>>(found);
+                next += 1;
+            }
+            totals.push(cluster.iter().map(|c| c.angle.abs()).sum());
+        }
+        let clusters = case["clusters"].as_u64().unwrap() as usize;
+        let lambda = case["lambda_unit"].as_f64().unwrap();
+        assert_eq!(totals.len(), clusters, "{name} {lambda}");
+        // They are of one sign: without limits each becomes one cone, unless it has 2π or more.
         let endless = RoundParams {
             small: f64::INFINITY,
             small_angle: f64::INFINITY,
+            part_angle: f64::INFINITY,
             ..RoundParams::default()
         };
         let rounded = round_clusters(&surface.mesh, &surface.geometry, &cones, &endless);
-        let clusters = case["clusters"].as_u64().unwrap() as usize;
-        let lambda = case["lambda_unit"].as_f64().unwrap();
-        let is_long = rounded.cones.len() > clusters;
-        eprintln!("{name} {lambda}: {clusters} {}", rounded.cones.len());
-        assert!(rounded.cones.len() == clusters || is_long, "{name} {lambda}");
+        let least: usize = totals.iter().map(|t| 1 + (t / TAU) as usize).sum();
+        let found = rounded.cones.len();
+        // Parts of a giant need not be filled evenly.
+        let most = if least == clusters { clusters } else { least + 3 };
+        assert!((least..=most).contains(&found), "{name} {lambda}: {least} {found}");
 
         let rounded =
             round_clusters(&surface.mesh, &surface.geometry, &cones, &RoundParams::default());
@@ -162,8 +185,7 @@ fn small_clusters_of_spot_cost_less_than_a_hundredth_and_are_counted_as_in_the_r
 fn long_curves_are_parted_along_their_length_and_rings_too() {
     let n = 40;
     let surface = sheet(n);
-    let line: Vec<Cone> =
-        (4..=36).map(|i| Cone { vertex: at(n, i, 20), angle: -0.125 }).collect();
+    let line: Vec<Cone> = (4..=36).map(|i| Cone { vertex: at(n, i, 20), angle: -0.125 }).collect();
     let ring: Vec<Cone> = surface
         .mesh
         .vertices()
@@ -189,10 +211,8 @@ fn long_curves_are_parted_along_their_length_and_rings_too() {
             assert!(cone.angle.abs() <= FRAC_PI_2 + 1e-12);
             // A part hangs together: it is no longer than its share of the whole, generously.
             let place = |v: VertexId| surface.geometry.positions[v.index()];
-            let reach = members
-                .iter()
-                .map(|&v| (place(v) - place(cone.vertex)).norm())
-                .fold(0.0, f64::max);
+            let reach =
+                members.iter().map(|&v| (place(v) - place(cone.vertex)).norm()).fold(0.0, f64::max);
             assert!(reach < 0.25, "{reach}");
         }
     }
@@ -248,16 +268,14 @@ fn opposite_neighbours_stay_apart_and_angles_that_cannot_be_are_shared_out() {
 #[test]
 fn debiased_angles_are_the_best_at_their_places() {
     for (name, lambda, has_boundary) in
-        [("plush_bear", 0.01, false), ("torus", 0.005, false), ("wavy_vase", 0.005, true)]
+        [("plush_bear", 0.01, false), ("double_torus", 0.005, false), ("wavy_vase", 0.005, true)]
     {
         let surface = Surface::sample(name);
         let mut flow = flow(&surface, lambda);
         let state = flow.state().clone();
         let rounded =
             round_clusters(&surface.mesh, &surface.geometry, &state.cones, &RoundParams::default());
-        if rounded.cones.is_empty() {
-            continue;
-        }
+        assert!(rounded.cones.len() > 1, "{name}");
         let before = flow.evaluate(&rounded.cones).unwrap();
         let best = debias(&mut flow, &rounded.cones, &[]).unwrap();
         let after = flow.evaluate(&best).unwrap();
@@ -271,8 +289,9 @@ fn debiased_angles_are_the_best_at_their_places() {
             assert!((sum(&best) - sum(&rounded.cones)).abs() < 1e-9, "{name}");
         }
         // No change of one angle (of two, against each other) is better: the first derivative vanishes.
-        let free: Vec<usize> = (0..best.len()).filter(|&i| best[i].angle < 1.5 * PI - 1e-9).collect();
-        for pair in free.windows(2).take(6) {
+        let free: Vec<usize> =
+            (0..best.len()).filter(|&i| best[i].angle < 1.5 * PI - 1e-9).collect();
+        for pair in free.windows(2).take(3) {
             let mut values = [0.0; 2];
             for (value, step) in values.iter_mut().zip([1e-3, -1e-3]) {
                 let mut cones = best.clone();
@@ -292,15 +311,17 @@ fn debiased_angles_are_the_best_at_their_places() {
         let again = debias(&mut flow, &rounded.cones, &held).unwrap();
         assert_eq!(again[0].angle, rounded.cones[0].angle);
         let held_value = flow.evaluate(&again).unwrap().int_u2;
-        assert!(held_value >= after.int_u2 * (1.0 - 1e-12) && held_value <= before.int_u2 * (1.0 + 1e-12));
+        assert!(
+            held_value >= after.int_u2 * (1.0 - 1e-12)
+                && held_value <= before.int_u2 * (1.0 + 1e-12)
+        );
     }
 }
 
 #[test]
 fn debiasing_keeps_bounds_and_refuses_what_cannot_be() {
     let surface = Surface::sample("plush_bear");
-    let params =
-        ConeParams { lambda: 0.01, bounds: [-0.2, FRAC_PI_2], ..ConeParams::default() };
+    let params = ConeParams { lambda: 0.01, bounds: [-0.2, FRAC_PI_2], ..ConeParams::default() };
     let mut flow =
         ConeFlow::new(&surface.mesh, &surface.geometry, &params, &ConeFields::default()).unwrap();
     while flow.status() == Status::Running {
@@ -323,13 +344,9 @@ fn debiasing_keeps_bounds_and_refuses_what_cannot_be() {
     ));
     let vase = Surface::sample("wavy_vase");
     let rim = vase.mesh.tail(vase.mesh.boundary_loops()[0]);
-    let mut flow = ConeFlow::new(
-        &vase.mesh,
-        &vase.geometry,
-        &ConeParams::default(),
-        &ConeFields::default(),
-    )
-    .unwrap();
+    let mut flow =
+        ConeFlow::new(&vase.mesh, &vase.geometry, &ConeParams::default(), &ConeFields::default())
+            .unwrap();
     assert!(matches!(
         debias(&mut flow, &[Cone { vertex: rim, angle: 0.1 }], &[]),
         Err(SolveError::Cones(ConeError::Conflict { conflict: ConeConflict::Boundary, .. }))
@@ -384,10 +401,9 @@ fn at_equal_total_angle_the_optimum_beats_eight_greedy_cones() {
     let last = greedy.history.last().unwrap();
     // From the notes on the method.
     assert!((last.int_u2.sqrt() - 0.499).abs() < 1e-3, "{}", last.int_u2.sqrt());
-    let flow = flow(&face, 0.00165);
+    let flow = flow(&face, 0.0017);
     let state = flow.state();
-    eprintln!("{} {} {}", state.total_angle / PI, last.total_angle / PI, state.int_u2.sqrt());
-    assert!(state.total_angle <= last.total_angle);
+    assert!(state.total_angle <= last.total_angle, "{} {}", state.total_angle, last.total_angle);
     assert!(state.int_u2.sqrt() < 0.22, "{}", state.int_u2.sqrt());
 }
 
@@ -406,24 +422,26 @@ fn angle_of(cones: &[PlacedCone], v: u32) -> f64 {
 #[test]
 fn edits_keep_gauss_bonnet_on_closed_surfaces_by_shares_in_proportion() {
     let mesh = Surface::sphere(4).mesh;
-    let start = placed(&[(3, 1.5 * PI, false), (20, 1.5 * PI, false), (60, PI, true), (80, 0.0, false)]);
+    let start =
+        placed(&[(3, 1.5 * PI, false), (20, 1.5 * PI, false), (60, PI, true), (80, 0.0, false)]);
     let total = |cones: &[PlacedCone]| cones.iter().map(|c| c.cone.angle).sum::<f64>();
 
-    let added =
-        edit_cones(&mesh, &start, ConeEdit::Add { vertex: VertexId(40), angle: Some(1.0) }).unwrap();
+    let added = edit_cones(&mesh, &start, ConeEdit::Add { vertex: VertexId(40), angle: Some(1.0) })
+        .unwrap();
     assert!((total(&added) - 2.0 * TAU).abs() < 1e-12);
     assert_eq!((angle_of(&added, 40), angle_of(&added, 60), angle_of(&added, 80)), (1.0, PI, 0.0));
     assert!((angle_of(&added, 3) - (1.5 * PI - 0.5)).abs() < 1e-12);
     assert!(added.iter().find(|c| c.cone.vertex.0 == 40).unwrap().is_fixed);
 
-    let free = edit_cones(&mesh, &start, ConeEdit::Add { vertex: VertexId(40), angle: None }).unwrap();
+    let free =
+        edit_cones(&mesh, &start, ConeEdit::Add { vertex: VertexId(40), angle: None }).unwrap();
     assert_eq!(angle_of(&free, 40), 0.0);
     assert_eq!(angle_of(&free, 3), 1.5 * PI);
 
-    let set = ConeEdit::SetAngle { vertex: VertexId(3), angle: PI };
+    let set = ConeEdit::SetAngle { vertex: VertexId(3), angle: 1.2 * PI };
     let set = edit_cones(&mesh, &start, set).unwrap();
-    assert!((angle_of(&set, 20) - TAU).abs() > 1e-3 || angle_of(&set, 20) < TAU);
-    assert_eq!((angle_of(&set, 3), angle_of(&set, 60)), (PI, PI));
+    assert!((angle_of(&set, 20) - 1.8 * PI).abs() < 1e-12);
+    assert_eq!((angle_of(&set, 3), angle_of(&set, 60)), (1.2 * PI, PI));
     // Now 3 and 60 are fixed, and 20 alone must take it all: too much.
     let much = ConeEdit::SetAngle { vertex: VertexId(60), angle: -1.0 };
     let refused = edit_cones(&mesh, &set, much).unwrap_err();
@@ -444,7 +462,9 @@ fn edits_keep_gauss_bonnet_on_closed_surfaces_by_shares_in_proportion() {
     let gone = edit_cones(&mesh, &start, ConeEdit::Remove { vertex: VertexId(3) }).unwrap_err();
     assert!(matches!(gone, EditError::OutOfRange { vertex: VertexId(20), .. }));
     let fine = edit_cones(&mesh, &start, ConeEdit::Remove { vertex: VertexId(60) });
-    assert!(matches!(fine, Err(EditError::OutOfRange { angle, .. }) if (angle - TAU).abs() < 1e-12));
+    assert!(
+        matches!(fine, Err(EditError::OutOfRange { angle, .. }) if (angle - TAU).abs() < 1e-12)
+    );
     let many = placed(&[(3, PI, false), (20, PI, false), (60, PI, true), (80, PI, false)]);
     let fewer = edit_cones(&mesh, &many, ConeEdit::Remove { vertex: VertexId(60) }).unwrap();
     assert!(fewer.iter().all(|c| (c.cone.angle - 2.0 * TAU / 3.0).abs() < 1e-12));
@@ -496,7 +516,9 @@ fn edits_on_a_surface_with_boundary_change_one_cone_and_bad_ones_say_why() {
     // With a corner the component balances: corners take their share, and a corner keeps below π.
     let rim: Vec<VertexId> =
         mesh.boundary_loop(mesh.boundary_loops()[0]).map(|h| mesh.tail(h)).collect();
-    assert!(matches!(refuse(add(rim[0], Some(PI))), EditError::OutOfRange { most, .. } if most == PI));
+    assert!(
+        matches!(refuse(add(rim[0], Some(PI))), EditError::OutOfRange { most, .. } if most == PI)
+    );
     let disk = sheet(6);
     let corners = placed(&[
         (at(6, 0, 0).0, FRAC_PI_2, false),
@@ -504,12 +526,9 @@ fn edits_on_a_surface_with_boundary_change_one_cone_and_bad_ones_say_why() {
         (at(6, 6, 6).0, FRAC_PI_2, false),
         (at(6, 0, 6).0, FRAC_PI_2, true),
     ]);
-    let edited = edit_cones(
-        &disk.mesh,
-        &corners,
-        ConeEdit::Add { vertex: at(6, 3, 3), angle: Some(0.3) },
-    )
-    .unwrap();
+    let edited =
+        edit_cones(&disk.mesh, &corners, ConeEdit::Add { vertex: at(6, 3, 3), angle: Some(0.3) })
+            .unwrap();
     assert!((edited.iter().map(|c| c.cone.angle).sum::<f64>() - TAU).abs() < 1e-12);
     assert!((angle_of(&edited, at(6, 6, 0).0) - (FRAC_PI_2 - 0.1)).abs() < 1e-12);
     assert_eq!(angle_of(&edited, at(6, 0, 6).0), FRAC_PI_2);

@@ -78,7 +78,8 @@ pub fn debias(
     }
     let mut dictionary = flow.dictionary.clone();
     let problem = &mut flow.problem;
-    dictionary.add(problem, &set.order);
+    let missing = dictionary.missing(&set.order);
+    dictionary.add(problem, &missing);
     let prices = std::mem::replace(&mut problem.prices, vec![0.0; dofs]);
     std::mem::swap(&mut problem.low, &mut low);
     std::mem::swap(&mut problem.high, &mut high);

@@ -195,8 +195,7 @@ fn balance(
         if !places.iter().any(|&v| own(v)) {
             continue;
         }
-        let members: Vec<usize> =
-            (0..cones.len()).filter(|&i| own(cones[i].cone.vertex)).collect();
+        let members: Vec<usize> = (0..cones.len()).filter(|&i| own(cones[i].cone.vertex)).collect();
         let has_corners = members.iter().any(|&i| mesh.is_boundary_vertex(cones[i].cone.vertex));
         if !(part.is_closed || has_corners) {
             continue;

@@ -145,7 +145,8 @@ impl Greedy {
             values[slot as usize] = entry;
         }
         for (v, &row) in rows.iter().enumerate().filter(|p| *p.1 != NONE) {
-            values[pattern.diagonal(row as usize)] = laplacian.values[laplacian.pattern.diagonal(v)];
+            values[pattern.diagonal(row as usize)] =
+                laplacian.values[laplacian.pattern.diagonal(v)];
         }
         let factor = match row_count {
             0 => None,
@@ -212,8 +213,7 @@ impl Greedy {
 
     /// u = 0 at all places; the cones that this makes.
     fn update(&mut self) -> Vec<Cone> {
-        let mut further: Vec<f64> =
-            self.places.iter().map(|v| -self.base[v.index()]).collect();
+        let mut further: Vec<f64> = self.places.iter().map(|v| -self.base[v.index()]).collect();
         self.dense.solve(&mut further);
         self.u.clone_from(&self.base);
         for (column, angle) in self.columns.iter().zip(&further) {

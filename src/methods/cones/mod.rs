@@ -18,9 +18,9 @@
 
 mod aim;
 mod certificate;
+mod coarse;
 mod debias;
 mod edit;
-mod coarse;
 mod error;
 mod extent;
 mod flow;

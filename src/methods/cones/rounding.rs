@@ -117,9 +117,11 @@ fn steps(mesh: &Mesh, v: VertexId) -> impl Iterator<Item = (usize, VertexId)> + 
     let is_rim = mesh.is_boundary_vertex(v);
     mesh.outgoing(v)
         .map(move |h| (h.edge(), mesh.tip(h)))
-        .filter(move |&(e, tip)| {
-            if is_rim { mesh.is_boundary_edge(e) } else { !mesh.is_boundary_vertex(tip) }
-        })
+        .filter(
+            move |&(e, tip)| {
+                if is_rim { mesh.is_boundary_edge(e) } else { !mesh.is_boundary_vertex(tip) }
+            },
+        )
         .map(|(e, tip)| (e.index(), tip))
 }
 

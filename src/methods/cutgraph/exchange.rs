@@ -318,10 +318,8 @@ impl Exchange<'_, '_> {
         if surgeon.is_stop(junction) || surgeon.cuts_at(junction).count() != 3 {
             return false;
         }
-        let stretches: Vec<Stretch> = surgeon
-            .cuts_at(junction)
-            .filter_map(|h| surgeon.stretch_through(h.edge()))
-            .collect();
+        let stretches: Vec<Stretch> =
+            surgeon.cuts_at(junction).filter_map(|h| surgeon.stretch_through(h.edge())).collect();
         let [a, b, c] = &stretches[..] else { return false };
         let total: f64 = a.length + b.length + c.length;
         let ends = [a, b, c].map(|s| if s.ends[0] == junction { s.ends[1] } else { s.ends[0] });
@@ -329,8 +327,8 @@ impl Exchange<'_, '_> {
             self.surgeon.mark(&s.edges, false);
         }
         let pairs = [[0, 1], [1, 2], [2, 0]];
-        let is_apart = is_tree
-            || pairs.iter().all(|p| self.smaller_part(p.map(|i: usize| ends[i])).is_some());
+        let is_apart =
+            is_tree || pairs.iter().all(|p| self.smaller_part(p.map(|i: usize| ends[i])).is_some());
         let paths = if is_apart { self.join_at_best(ends, total) } else { None };
         match paths {
             Some(paths) => {

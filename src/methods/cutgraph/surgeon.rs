@@ -336,11 +336,10 @@ impl<'a> Surgeon<'a> {
             let tip = VertexId(pair[1]);
             mesh.outgoing(VertexId(pair[0])).find(|&h| mesh.tip(h) == tip).map(HalfedgeId::edge)
         };
-        let mut stretches: Vec<Vec<EdgeId>> =
-            chains(&pairs, |v| self.is_stop(VertexId(v)))
-                .into_iter()
-                .map(|chain| chain.windows(2).filter_map(edge).collect())
-                .collect();
+        let mut stretches: Vec<Vec<EdgeId>> = chains(&pairs, |v| self.is_stop(VertexId(v)))
+            .into_iter()
+            .map(|chain| chain.windows(2).filter_map(edge).collect())
+            .collect();
         stretches.sort_by(|a, b| self.total_length(b).total_cmp(&self.total_length(a)));
         stretches
     }
