@@ -6,7 +6,7 @@ use super::coarse::{Coarse, Stage};
 use super::error::{ConeConflict, ConeError};
 use super::extent;
 use super::greens::{self, Dictionary};
-use super::newton::{COLD, Descent, Outcome, WARM};
+use super::newton::{Descent, Outcome};
 use super::params::{
     Cone, ConeEvaluation, ConeFields, ConeMethod, ConeParams, ConeState, ConeTarget,
 };
@@ -472,7 +472,7 @@ impl ConeFlow {
         // The factor of the two-ring matrix has about four times the entries of L's, and entries² / n · 2 operations.
         let (large, small) =
             if solves == 1 { (entries, entries) } else { (4.0 * entries, entries) };
-        let factorisations = if self.progress.is_warm { 12.0 } else { 22.0 };
+        let factorisations = if self.progress.is_warm { 8.0 } else { 18.0 };
         let newton = factorisations * 2.0 * large * large / n;
         let missing = self.dictionary.missing(&self.progress.set.order).len();
         let columns = (self.progress.columns + missing) as f64;
@@ -494,8 +494,11 @@ impl ConeFlow {
         let progress = &mut self.progress;
         if progress.descent.is_none() {
             let phi = greens::shifted(&self.problem, &progress.set, &self.response);
-            let gamma = if progress.is_warm { WARM } else { COLD };
-            progress.descent = Some(Descent::new(phi, gamma));
+            progress.descent = Some(if progress.is_warm {
+                Descent::warm(phi, progress.set.clone())
+            } else {
+                Descent::cold(phi)
+            });
         }
         let Some(descent) = &mut progress.descent else { return Ok(()) };
         let mut trial = descent.clone();
@@ -522,8 +525,10 @@ impl ConeFlow {
                 }
             }
             Outcome::Lost => {
+                // From the beginning, or else by Green's functions, which cannot go in circles.
                 progress.descent = None;
-                progress.is_lost = true;
+                progress.is_lost = !progress.is_warm;
+                progress.is_warm = false;
                 progress.is_settled = progress.set.order.is_empty();
             }
         }

@@ -5,26 +5,26 @@
 //! J(φ) = ½ φᵀB φ − Ωᵀφ + Σ h(φ_i), h′ = μ_γ(φ) = clip(P_t(φ) / γ, low, high), P_t(φ) = φ − clip(φ, −t, t).
 //!
 //! J has a continuous gradient and a piecewise constant Hessian B + D, D = 1/γ where μ_γ follows φ. γ falls by factors of 100; with
-//! each, a few Newton steps with Armijo's rule. At last γ = 0: φ = ±t is prescribed on the active set, the rest follows from
+//! each, a few Newton steps with an exact line search. At last γ = 0: φ = ±t is prescribed on the active set, the rest follows from
 //! one factorisation without these rows, and the active set is corrected by signs until it stands. One analysis of B's pattern serves all
 //! factorisations.
 
+use super::greens::entering;
 use super::problem::{ActiveSet, Problem, Stance};
 use super::two_ring::TwoRing;
 use crate::linalg::LinalgError;
 
-/// First γ, as a fraction of the area; from the curvature alone a smaller one needs more steps, not fewer.
-pub(super) const COLD: f64 = 1.0;
-/// First γ when cones are known already.
-pub(super) const WARM: f64 = 1e-4;
-/// γ at which the exact active set is first looked for, and one hundredth of the smallest that helps.
+/// First γ, as a fraction of the area, when nothing is known; from the curvature alone a smaller one needs more steps, not fewer.
+const FIRST: f64 = 1.0;
+/// γ after which the exact active set is looked for. With smaller ones the line searches take over, and the exact stage alone is faster.
 const LAST: f64 = 1e-6;
-const SMALLEST: f64 = 1e-12;
-/// Newton steps for one γ: the early ones only lead to the next.
-const EARLY_STEPS: usize = 3;
-const LATE_STEPS: usize = 12;
-/// Corrections of the exact active set before γ is lowered once more.
-const CORRECTIONS: usize = 6;
+/// Newton steps for one γ: none is worth solving exactly, it only leads to the next.
+const STEPS: usize = 3;
+/// Corrections of the exact active set in all, and in a row without fewer changes than ever before.
+const CORRECTIONS: usize = 40;
+const PATIENCE: usize = 10;
+/// Such corrections after which the set goes in circles.
+const CIRCLES: usize = 3;
 
 /// Where Newton's method is.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +33,23 @@ pub(super) struct Descent {
     gamma: f64,
     /// Newton steps with this γ.
     tries: usize,
-    /// The active set of the exact stage, and how often it has been corrected.
-    exact: Option<(ActiveSet, usize)>,
+    exact: Option<Exact>,
+}
+
+/// The stage with γ = 0.
+#[derive(Clone, Debug, PartialEq)]
+struct Exact {
+    set: ActiveSet,
+    corrections: usize,
+    /// Fewest changes that a correction made, and corrections since.
+    fewest: usize,
+    since: usize,
+}
+
+impl Exact {
+    fn new(set: ActiveSet) -> Self {
+        Self { set, corrections: 0, fewest: usize::MAX, since: 0 }
+    }
 }
 
 /// What a Newton step came to.
@@ -48,9 +63,14 @@ pub(super) enum Outcome {
 }
 
 impl Descent {
-    /// **Takes** φ at every dof, shifted, and the first γ.
-    pub fn new(phi: Vec<f64>, gamma: f64) -> Self {
-        Self { phi, gamma, tries: 0, exact: None }
+    /// From nothing. **Takes** φ at every dof, shifted.
+    pub fn cold(phi: Vec<f64>) -> Self {
+        Self { phi, gamma: FIRST, tries: 0, exact: None }
+    }
+
+    /// From angles that are near the optimum already: the exact stage alone.
+    pub fn warm(phi: Vec<f64>, set: ActiveSet) -> Self {
+        Self { phi, gamma: FIRST, tries: 0, exact: Some(Exact::new(set)) }
     }
 
     /// One factorisation and what follows from it.
@@ -61,7 +81,7 @@ impl Descent {
     ) -> Result<Outcome, LinalgError> {
         match self.exact.take() {
             None => self.smooth_step(problem, two_ring),
-            Some((set, corrections)) => self.exact_step(problem, two_ring, set, corrections),
+            Some(exact) => self.exact_step(problem, two_ring, exact),
         }
     }
 
@@ -78,40 +98,23 @@ impl Descent {
         let is_out = problem.empty_grounds(|i| slopes[i] > 0.0);
         two_ring.factor(&slopes, &is_out)?;
         problem.system.factorisations += 1;
-        let (value, gradient) = regular.value(problem, &self.phi);
-        let mut direction: Vec<f64> = gradient.iter().map(|g| -g).collect();
+        let mut direction = regular.gradient(problem, &self.phi);
+        direction.iter_mut().for_each(|g| *g = -*g);
         two_ring.solve(&mut direction, 1);
-        let descent: f64 = gradient.iter().zip(&direction).map(|(g, d)| g * d).sum();
-        let mut fraction = 1.0;
-        let mut is_over = false;
-        loop {
-            let trial: Vec<f64> =
-                self.phi.iter().zip(&direction).map(|(p, d)| p + fraction * d).collect();
-            let (new, _) = regular.value(problem, &trial);
-            if new <= value + 1e-4 * fraction * descent {
-                self.phi = trial;
-                break;
-            }
-            fraction *= 0.5;
-            if fraction < 1e-6 {
-                // Rounding is all that is left at this γ.
-                is_over = true;
-                break;
-            }
-        }
+        let fraction = regular.line_search(problem, &self.phi, &direction);
+        self.phi.iter_mut().zip(&direction).for_each(|(p, d)| *p += fraction * d);
+        let guess = regular.active_set(problem, &self.phi);
         // A whole step that leaves every piece as it was has found the minimum of J.
-        is_over |= fraction == 1.0
+        let is_over = fraction == 1.0
             && (0..n)
                 .all(|i| regular.slope(problem, i, self.phi[i]).to_bits() == slopes[i].to_bits());
         self.tries += 1;
-        let guess = regular.active_set(problem, &self.phi);
-        let limit = if self.gamma > LAST { EARLY_STEPS } else { LATE_STEPS };
-        if is_over || self.tries >= limit {
+        if is_over || self.tries >= STEPS {
             self.tries = 0;
-            if self.gamma <= LAST {
-                self.exact = Some((guess.clone(), 0));
-            }
             self.gamma *= 0.01;
+            if self.gamma < 0.5 * LAST {
+                self.exact = Some(Exact::new(peaks(problem, &guess, &self.phi)));
+            }
         }
         Ok(Outcome::Guess(guess))
     }
@@ -121,9 +124,9 @@ impl Descent {
         &mut self,
         problem: &mut Problem,
         two_ring: &mut TwoRing,
-        mut set: ActiveSet,
-        corrections: usize,
+        exact: Exact,
     ) -> Result<Outcome, LinalgError> {
+        let Exact { mut set, corrections, mut fewest, mut since } = exact;
         let n = self.phi.len();
         let is_free: Vec<bool> = (0..n).map(|i| set.stances[i] == Stance::Free).collect();
         let mut is_out = problem.empty_grounds(|i| is_free[i]);
@@ -152,36 +155,39 @@ impl Descent {
         let tolerance = 1e-9 * problem.params.lambda;
         let mut changes = 0;
         set.order.clear();
-        for i in 0..n {
-            if is_free[i] {
-                let [low, high] = problem.interval(&set, i);
-                let angle = set.angles[i];
-                if angle < low || angle > high {
-                    let bound = if angle < low { low } else { high };
-                    set.angles[i] = bound;
-                    set.stances[i] = problem.stance_at(i, bound);
-                    changes += 1;
-                } else {
-                    set.order.push(i as u32);
-                }
+        for i in (0..n).filter(|&i| is_free[i]) {
+            let [low, high] = problem.interval(&set, i);
+            let angle = set.angles[i];
+            if angle < low || angle > high {
+                let bound = if angle < low { low } else { high };
+                set.angles[i] = bound;
+                set.stances[i] = problem.stance_at(i, bound);
+                changes += 1;
             } else {
-                let (excess, sign) = problem.excess(&set, i, phi[i]);
-                if excess > tolerance {
-                    set.release(i as u32, sign);
-                    changes += 1;
-                }
+                set.order.push(i as u32);
+            }
+        }
+        // When it goes in circles, angles are let free only where all others have the right sign.
+        if changes == 0 || since < CIRCLES {
+            // What was taken out just now has φ = ±t: no excess.
+            for (i, sign) in entering(problem, &set, &phi, tolerance, usize::MAX) {
+                set.release(i, sign);
+                changes += 1;
             }
         }
         if changes == 0 {
             let set = self.finish(problem, two_ring, solved);
             return Ok(Outcome::Optimum(set));
         }
-        if corrections < CORRECTIONS {
-            self.exact = Some((set, corrections + 1));
-            self.phi = phi;
-            return Ok(Outcome::Guess(solved));
+        since = if changes < fewest { 0 } else { since + 1 };
+        fewest = fewest.min(changes);
+        self.phi = phi;
+        if corrections < CORRECTIONS && since < PATIENCE {
+            let guess = set.clone();
+            self.exact = Some(Exact { set, corrections: corrections + 1, fewest, since });
+            return Ok(Outcome::Guess(guess));
         }
-        if self.gamma < SMALLEST { Ok(Outcome::Lost) } else { Ok(Outcome::Guess(solved)) }
+        Ok(Outcome::Lost)
     }
 
     /// Brings φ of the very angles, by accurate solves, to its targets.
@@ -226,6 +232,22 @@ impl Descent {
     }
 }
 
+/// The angles of a regularised optimum at peaks only: of every patch that γ has spread a cone over, its middle.
+fn peaks(problem: &Problem, guess: &ActiveSet, phi: &[f64]) -> ActiveSet {
+    let mut set = guess.clone();
+    set.order.clear();
+    for i in 0..phi.len() {
+        if set.stances[i] == Stance::Free {
+            set.stances[i] = Stance::Zero;
+            set.angles[i] = 0.0;
+        }
+    }
+    for (i, sign) in entering(problem, &set, phi, 0.0, usize::MAX) {
+        set.release(i, sign);
+    }
+    set
+}
+
 /// J for one γ.
 struct Regularised {
     gamma: f64,
@@ -240,12 +262,6 @@ impl Regularised {
         ((phi - phi.clamp(-t, t)) / self.gamma).clamp(problem.low[i], problem.high[i])
     }
 
-    /// h at φ: sup of φ μ − t |μ| − ½ γ μ², taken at μ_γ(φ).
-    fn worth(&self, problem: &Problem, i: usize, phi: f64) -> f64 {
-        let mu = self.angle(problem, i, phi);
-        phi * mu - problem.price(i) * mu.abs() - 0.5 * self.gamma * mu * mu
-    }
-
     fn slope(&self, problem: &Problem, i: usize, phi: f64) -> f64 {
         if problem.start.stances[i] == Stance::Held {
             return 0.0;
@@ -257,16 +273,36 @@ impl Regularised {
         if is_open && (mu != 0.0 || t == 0.0) { 1.0 / self.gamma } else { 0.0 }
     }
 
-    fn value(&self, problem: &mut Problem, phi: &[f64]) -> (f64, Vec<f64>) {
+    fn gradient(&self, problem: &mut Problem, phi: &[f64]) -> Vec<f64> {
         let mut gradient = vec![0.0; phi.len()];
-        let square = problem.curvature_of_dual(phi, &mut gradient);
-        let mut value = 0.5 * square;
-        for i in 0..phi.len() {
-            let k = problem.system.curvatures[i];
-            value += self.worth(problem, i, phi[i]) - k * phi[i];
-            gradient[i] += self.angle(problem, i, phi[i]) - k;
+        problem.curvature_of_dual(phi, &mut gradient);
+        for (i, g) in gradient.iter_mut().enumerate() {
+            *g += self.angle(problem, i, phi[i]) - problem.system.curvatures[i];
         }
-        (value, gradient)
+        gradient
+    }
+
+    /// The fraction of a step, at most 1, at which J is least along it: its derivative there is monotone and costs O(V) once B is
+    /// applied to both ends.
+    fn line_search(&self, problem: &mut Problem, phi: &[f64], direction: &[f64]) -> f64 {
+        let mut product = vec![0.0; phi.len()];
+        let square = problem.curvature_of_dual(direction, &mut product);
+        let linear: f64 = (0..phi.len())
+            .map(|i| product[i] * phi[i] - problem.system.curvatures[i] * direction[i])
+            .sum();
+        let derivative = |x: f64| -> f64 {
+            let bent = |i: usize| self.angle(problem, i, phi[i] + x * direction[i]) * direction[i];
+            linear + x * square + (0..phi.len()).map(bent).sum::<f64>()
+        };
+        if derivative(1.0) <= 1e-9 * derivative(0.0).abs() {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..20 {
+            let middle = 0.5 * (low + high);
+            if derivative(middle) > 0.0 { high = middle } else { low = middle }
+        }
+        high
     }
 
     /// Shifts φ on floating components to where J is least: there μ_γ adds up to what Gauss–Bonnet asks for.
