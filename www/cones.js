@@ -17,6 +17,8 @@ export function coneMethod(on) {
   let isOn = false;
   let last = null;
   let comparing = false;
+  /** Where a cone was put that is to be the chosen one as soon as it is there. */
+  let awaited = null;
   /** The optimum of the comparison that is shown. */
   let compared = null;
   /** Whether a solution goes on, and what it or the last one has cost. */
@@ -53,20 +55,41 @@ export function coneMethod(on) {
     views().markCones({ selected: cone });
   }
 
+  /** The number that the chosen cone has now: numbers change with what is added and removed, vertices do not. */
+  function heir(before, cones) {
+    if (awaited) {
+      const known = new Set(before.map(({ vertex }) => vertex));
+      const distance = ({ place }) => Math.hypot(...place.map((x, k) => x - awaited[k]));
+      const [nearest] = cones.filter(({ vertex }) => !known.has(vertex)).sort((a, b) => distance(a) - distance(b));
+      if (nearest) {
+        awaited = null;
+        return nearest.cone;
+      }
+    }
+    const vertex = before.find(({ cone }) => cone === table.selected())?.vertex;
+    return cones.find((cone) => cone.vertex === vertex)?.cone ?? -1;
+  }
+
   function remove(cone) {
     on.send({ type: "remove_cone", cone });
   }
 
   async function move(cone, { face, x, y, z }) {
     select(cone);
+    awaited = [x, y, z];
     const answer = await on.send({ type: "move_cone", cone, face, place: [x, y, z] });
     // A refused cone goes back to where it was.
-    if (answer.events.some(({ type }) => type === "error")) views().dropCone();
+    if (answer.events.some(({ type }) => type === "error")) {
+      awaited = null;
+      views().dropCone();
+    }
   }
 
   function add({ face, x, y, z }) {
     const angle = tool.value();
-    if (angle !== undefined) on.send({ type: "add_cone", face, place: [x, y, z], angle });
+    if (angle === undefined) return;
+    awaited = [x, y, z];
+    on.send({ type: "add_cone", face, place: [x, y, z], angle });
   }
 
   async function compare() {
@@ -96,11 +119,12 @@ export function coneMethod(on) {
   return {
     handlers: {
       cones(event) {
+        const before = last?.cones ?? [];
         last = event;
-        const selected = table.selected();
+        const chosen = heir(before, event.cones);
         judge(event);
-        table.show(event);
-        if (table.selected() !== selected) select(-1);
+        table.show(event, chosen);
+        views().markCones({ selected: chosen });
         path.show(event);
         plot.show(event);
         on.facts(isOn ? figures(event) : null);
@@ -145,9 +169,9 @@ export function coneMethod(on) {
     },
     /** Another mesh. */
     clear() {
-      [last, compared, spent] = [null, null, 0];
+      [last, compared, awaited, spent] = [null, null, null, 0];
       select(-1);
-      table.show({ cones: [], note: null });
+      table.show({ cones: [], note: null }, -1);
       path.clear();
       plot.clear();
       comparison.hide();

@@ -31,6 +31,7 @@ export function conesPanel(host, on) {
   let selected = -1;
   let hovered = -1;
   let most = FIRST;
+  let isNews = false;
   const lines = [];
   const isNarrow = matchMedia("(max-width: 820px)");
   const body = h("tbody");
@@ -186,6 +187,8 @@ export function conesPanel(host, on) {
     nothing.hidden = order.length > 0 || Boolean(note);
     write(nothing, "No cones yet. Run places them; the tool with the plus adds one by hand.");
     mark();
+    if (isNews) reveal(selected);
+    isNews = false;
   });
 
   function mark() {
@@ -211,11 +214,14 @@ export function conesPanel(host, on) {
   }
 
   return {
-    /** Takes a `cones` event. */
-    show(event) {
+    /** Takes a `cones` event, and the cone that is the chosen one from now on. */
+    show(event, chosen) {
+      // Another vertex: its row is brought into sight once it is there.
+      const vertexOf = (list, id) => list.find(({ cone }) => cone === id)?.vertex;
+      isNews = chosen >= 0 && vertexOf(cones, selected) !== vertexOf(event.cones, chosen);
+      selected = chosen;
       cones = event.cones;
       note = event.note;
-      if (!cones.some(({ cone }) => cone === selected)) selected = -1;
       redraw();
     },
     cone: (id) => cones.find(({ cone }) => cone === id),

@@ -63,7 +63,7 @@ export function distortionPlot(host) {
     const isFree = (box) => !taken.some((other) => box.x < other.x + other.w && other.x < box.x + box.w && box.y < other.y + other.h && other.y < box.y + box.h);
     const label = (point, text, kind) => {
       const w = text.length * 6.6 + 4;
-      const sides = [[x(point) + 8, y(point) - 14], [x(point) + 8, y(point) + 2], [x(point) - 8 - w, y(point) - 14], [x(point) - 8 - w, y(point) + 2]];
+      const sides = [[x(point) + 8, y(point) - 14], [x(point) + 8, y(point) - 7], [x(point) + 8, y(point) + 2], [x(point) - 8 - w, y(point) - 14], [x(point) - 8 - w, y(point) + 2]];
       const boxes = sides.map(([left, up]) => ({ x: left, y: up, w, h: 14 })).filter((box) => box.x >= LEFT && box.x + w <= width && box.y >= 0 && box.y + 14 <= floor);
       const box = boxes.find(isFree) ?? (kind === "small" ? undefined : boxes[0]);
       if (!box) return;

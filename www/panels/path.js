@@ -86,7 +86,8 @@ export function pathPanel(on) {
     const { min, max } = range;
     svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
     const shown = now?.raw_count ?? now?.cones.length ?? 0;
-    const most = Math.max(1, shown, ...points.map((point) => point.count));
+    // Alone the point stands in the middle: nothing is known of the numbers beside it.
+    const most = Math.max(1, points.length > 0 ? shown : 4 * shown, ...points.map((point) => point.count));
     const nodes = [];
     for (const tick of [10, 100, 1000, 10_000].filter((tick) => tick < 0.9 * most && most < 120 * tick)) {
       const y = Math.round(rise(tick, most)) + 0.5;
