@@ -5,12 +5,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::Point3;
 
+use super::cones::ConeSet;
 use super::surface::Surface;
 use super::text::plural;
-use super::cones::ConeSet;
-use crate::flatten::{
-    Flattening, Measures, Packing, bff, bff_scaled, bff_with, measure, measures,
-};
+use crate::flatten::{Flattening, Measures, Packing, bff, bff_scaled, bff_with, measure, measures};
 use crate::geometry::Geometry;
 use crate::linalg::Factor;
 use crate::mesh::{CutMesh, HalfedgeId, Mesh, OpenedMesh};
@@ -141,7 +139,8 @@ impl Layout {
         let seams = cut_through(mesh, geometry, &set.vertices(), seam_cost)?;
         let points = place(surface, &seams.cut);
         let measured = measure_opened(&seams.opened, &points);
-        let rim_u: Vec<f64> = seams.opened.vertex_points.iter().map(|&p| set.u[p as usize]).collect();
+        let rim_u: Vec<f64> =
+            seams.opened.vertex_points.iter().map(|&p| set.u[p as usize]).collect();
         let flattening = bff_scaled(&seams.opened, &measured, &rim_u)?;
         let (cut, opened) = (seams.cut, seams.opened);
         Ok(Self::new(surface, cut, points, opened, measured, flattening, 0.0, previous))

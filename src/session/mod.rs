@@ -56,9 +56,9 @@ pub use document::Document;
 pub use layout::Layout;
 pub use message::{
     Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary, MethodChoice,
-    NoticeText,
-    PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow, PresetChoice, RepairChoice, Row,
-    SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term, ToolParam, ToolSpec, Value,
+    NoticeText, PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow, PresetChoice,
+    RepairChoice, Row, SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term, ToolParam,
+    ToolSpec, Value,
 };
 pub use method::Method;
 pub use params::{Effect, Settings};
@@ -171,9 +171,7 @@ impl Session {
             Command::MoveCone { cone, face, place } => {
                 self.move_cone(cone, face, place, &mut events)
             }
-            Command::SetConeAngle { cone, angle } => {
-                self.set_cone_angle(cone, angle, &mut events)
-            }
+            Command::SetConeAngle { cone, angle } => self.set_cone_angle(cone, angle, &mut events),
             Command::RemoveCone { cone } => self.remove_cone(cone, &mut events),
             Command::ClearCones => self.clear_cones(&mut events),
             Command::TracePath => self.trace_path(&mut events),
@@ -321,8 +319,8 @@ impl Session {
             return None;
         }
         let work = self.work.as_mut()?;
-        let is_uncut = work.layout.is_none()
-            && (work.flow.is_none() || work.method == Method::Cones);
+        let is_uncut =
+            work.layout.is_none() && (work.flow.is_none() || work.method == Method::Cones);
         if work.document.surface.is_none() || is_uncut || self.shown.is_some() {
             let scene = doctor::scene(&work.document, self.shown.as_deref(), work.revision);
             work.revision += 1;

@@ -1,8 +1,8 @@
 //! What a person should know of a cut as a whole: under the table of measures, in reports, and on the terminal.
 
-use super::method::Method;
 use super::layout::Layout;
 use super::message::NoticeText;
+use super::method::Method;
 use super::work::Work;
 use crate::methods::cutflow::CutFlow;
 use crate::methods::prepare::TOO_COARSE;

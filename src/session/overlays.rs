@@ -1,7 +1,7 @@
 //! Fields of the flow for looking at: what was painted, the adjoint, and the stages of one step.
 
-use super::method::Method;
 use super::message::{Event, StageNumber, StageNumbers};
+use super::method::Method;
 use super::text::Problem;
 use super::work::Work;
 use crate::methods::cutflow::Stages;

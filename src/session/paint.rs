@@ -56,9 +56,19 @@ const CONE_CHANNELS: [[&str; 4]; 5] = [
         "amount",
         "Distortion counts less, in the end not at all: ends that are cut off, backs, undersides.",
     ],
-    ["cone_cost", "Dear cones", "amount", "Cones are dearer where it is painted: they go elsewhere if they can."],
+    [
+        "cone_cost",
+        "Dear cones",
+        "amount",
+        "Cones are dearer where it is painted: they go elsewhere if they can.",
+    ],
     ["excluded", "No cones", "amount", "There are no cones where it is painted."],
-    ["penalty", "Hide seams", "amount", "Seams avoid what is painted: faces, logos, what is in sight."],
+    [
+        "penalty",
+        "Hide seams",
+        "amount",
+        "Seams avoid what is painted: faces, logos, what is in sight.",
+    ],
 ];
 
 /// What can be painted.
@@ -397,7 +407,10 @@ fn known(channel: &str, method: Method) -> Result<&'static str, Problem> {
         Problem::new(
             format!("“{channel}” cannot be painted."),
             "Brush.",
-            format!("Choose one of {}.", channels.iter().map(|c| c[0]).collect::<Vec<_>>().join(", ")),
+            format!(
+                "Choose one of {}.",
+                channels.iter().map(|c| c[0]).collect::<Vec<_>>().join(", ")
+            ),
         )
     })
 }
@@ -411,7 +424,12 @@ pub(super) struct Dab {
 
 impl Dab {
     /// **Takes** a place and a radius in the frame of the scene.
-    pub(super) fn new(surface: &Surface, face: u32, place: [f64; 3], radius: f64) -> Result<Self, Problem> {
+    pub(super) fn new(
+        surface: &Surface,
+        face: u32,
+        place: [f64; 3],
+        radius: f64,
+    ) -> Result<Self, Problem> {
         let scale = surface.radius();
         let is_there = (face as usize) < surface.mesh.face_count()
             && place.iter().all(|x| x.is_finite())

@@ -7,8 +7,8 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::layout::{Layout, rim_halfedges};
 use super::cones::ConeSet;
+use super::layout::{Layout, rim_halfedges};
 use super::message::Choice;
 use super::method::Method;
 use super::scene::{FieldScene, PatchScene, Scene};
@@ -183,8 +183,7 @@ pub fn scene(
     }
 
     let painted = painted.map(|painted| {
-        let label =
-            label_of(painted.id);
+        let label = label_of(painted.id);
         (painted.id.to_owned(), label, on_opened(surface, layout, painted), painted.is_signed())
     });
     let known = field_values(surface, layout, u, field)
@@ -216,7 +215,8 @@ pub fn put_cones(scene: &mut Scene, surface: &Surface, layout: &Layout, set: &Co
         // The points of the cut begin with the vertices of the mesh.
         let cone = numbers.get(point as usize).copied().unwrap_or(u32::MAX);
         let has_place = layout.charts[v].iter().all(|x| x.is_finite());
-        if cone != u32::MAX && has_place && layout.opened.mesh.halfedge(VertexId::from(v)).is_some() {
+        if cone != u32::MAX && has_place && layout.opened.mesh.halfedge(VertexId::from(v)).is_some()
+        {
             scene.cone_charts.extend([v as u32, cone]);
         }
     }

@@ -1,8 +1,8 @@
 //! The table of parameters: sliders, command-line options and help are made from it.
 
 use super::cones;
-use super::method::Method;
 use super::message::{Choice, Condition, ParamKind, ParamSpec, Value};
+use super::method::Method;
 use super::size::{RANGE_MM, UNITS};
 
 /// The group of unit and size, which the page shows in a panel of their own.
@@ -82,7 +82,13 @@ pub fn all_specs() -> Vec<ParamSpec> {
     [specs(), cones::specs()].concat()
 }
 
-pub(super) fn choice(group: &str, id: &str, label: &str, options: &[(&str, &str)], help: &str) -> ParamSpec {
+pub(super) fn choice(
+    group: &str,
+    id: &str,
+    label: &str,
+    options: &[(&str, &str)],
+    help: &str,
+) -> ParamSpec {
     ParamSpec {
         id: id.into(),
         label: label.into(),

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 use std::rc::Rc;
 
+use super::cones::{Cones, ConesReport, Edits};
 use super::document::Document;
 use super::folding::Fold;
-use super::cones::{Cones, ConesReport, Edits};
 use super::inputs::{self, Layers};
 use super::layout::{Finish, Layout};
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};

@@ -57,7 +57,8 @@ fn choosing_the_method_finds_cones_joins_them_and_flattens() {
         assert!(scene.cone_charts.chunks(2).any(|pair| pair[1] == cone), "cone {cone}");
     }
     assert_eq!(scene.field.unwrap().id, "u");
-    for kind in ["UV mesh (OBJ)", "Cut curves (OBJ)", "Pattern (SVG)", "Cones (JSON)", "Cut (JSON)"] {
+    for kind in ["UV mesh (OBJ)", "Cut curves (OBJ)", "Pattern (SVG)", "Cones (JSON)", "Cut (JSON)"]
+    {
         assert!(!session.export(kind).unwrap().bytes.is_empty(), "{kind}");
     }
 }
@@ -108,8 +109,7 @@ fn angles_typed_by_hand_keep_gauss_bonnet_and_are_exact_on_the_chart() {
     let (mut session, events) = solved("plush_bear");
     let before = cones(&events);
     let wanted = 0.75 * PI;
-    let mut events =
-        session.handle(Command::SetConeAngle { cone: 1, angle: Some(wanted) });
+    let mut events = session.handle(Command::SetConeAngle { cone: 1, angle: Some(wanted) });
     assert!(errors(&events).is_empty(), "{:?}", errors(&events));
     events.extend(run(&mut session));
     let table = cones(&events);

@@ -8,9 +8,9 @@
     reason = "a test may stop where it meets what it does not expect, and reads and writes files"
 )]
 
+mod closed_curves;
 mod cone_sessions;
 mod cones;
-mod closed_curves;
 mod cutgraphs;
 mod cutting;
 mod doctoring;

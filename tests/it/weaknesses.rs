@@ -9,9 +9,7 @@ use cutflow::mesh::Soup;
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams};
 use cutflow::methods::flow::{Flow, Status};
 use cutflow::methods::straighten::{StraightenParams, straighten};
-use cutflow::session::{
-    Command, Document, FlattenReport, Session, Value, samples, surface_layout,
-};
+use cutflow::session::{Command, Document, FlattenReport, Session, Value, samples, surface_layout};
 use nalgebra::Point3;
 
 use crate::cutting::{clusters, flow, plane, regions, weights};
@@ -98,8 +96,7 @@ fn weakness_2_a_step_moves_the_cut_by_an_edge_at_most_and_never_raises_the_energ
         (Surface::sample("rounded_box"), clusters(), weights(0.0, 3000.0, 2.0)),
     ] {
         let (name, geometry) = (surface.name.clone(), surface.geometry.clone());
-        let longest =
-            surface.mesh.edges().map(|e| geometry.edge_length(e)).fold(0.0, f64::max);
+        let longest = surface.mesh.edges().map(|e| geometry.edge_length(e)).fold(0.0, f64::max);
         let mut flow = flow(surface, &initial, params);
         // The disturbance and the first descents add up: that step is another promise.
         flow.step().unwrap();
@@ -156,9 +153,8 @@ fn weakness_2_a_thin_part_keeps_its_cut() {
                 let bottom = 1.05 + 0.2 * f64::from(slice);
                 let inside = |p: &Point3<f64>| (bottom..bottom + 0.2).contains(&height(p));
                 let labels = flow.state().labels();
-                let side = |label: u32| {
-                    places.iter().zip(labels).any(|(p, l)| inside(p) && *l == label)
-                };
+                let side =
+                    |label: u32| places.iter().zip(labels).any(|(p, l)| inside(p) && *l == label);
                 assert!(side(0) && side(1), "the horn lost its cut at {bottom}");
             }
         }
@@ -224,9 +220,8 @@ fn weakness_5_a_handle_is_cut_open_and_flattens_without_a_flipped_triangle() {
     for name in ["torus", "double_torus"] {
         let whole = samples::generate(name).unwrap();
         let centre = whole.positions[whole.polygon(0)[0] as usize];
-        let far = |p: [f64; 3]| {
-            (0..3).map(|i| (p[i] - centre[i]).powi(2)).sum::<f64>().sqrt() > 0.25
-        };
+        let far =
+            |p: [f64; 3]| (0..3).map(|i| (p[i] - centre[i]).powi(2)).sum::<f64>().sqrt() > 0.25;
         let mut text = String::new();
         for [x, y, z] in &whole.positions {
             text += &format!("v {x} {y} {z}\n");
@@ -337,7 +332,10 @@ fn weakness_7_vertices_groups_and_materials_are_kept_and_few_triangles_are_added
             .collect()
     };
     let (old, new) = (places(&given), places(&text));
-    assert!(new.len() > old.len() && new[..old.len()] == old[..], "vertices come first, as they were");
+    assert!(
+        new.len() > old.len() && new[..old.len()] == old[..],
+        "vertices come first, as they were"
+    );
     let faces = |text: &str| text.lines().filter(|line| line.starts_with("f ")).count();
     let growth = faces(&text) as f64 / soup.polygon_count() as f64;
     let polygons: usize = (0..soup.polygon_count()).map(|i| soup.polygon(i).len() - 2).sum();

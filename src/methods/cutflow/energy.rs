@@ -72,7 +72,11 @@ pub(super) struct SharedFactor {
 
 impl SharedFactor {
     /// Factors a matrix. **Gives** the stamp by which it is told from others.
-    pub fn refactor(&mut self, analysis: &Arc<Analysis>, values: &[f64]) -> Result<u64, LinalgError> {
+    pub fn refactor(
+        &mut self,
+        analysis: &Arc<Analysis>,
+        values: &[f64],
+    ) -> Result<u64, LinalgError> {
         self.holds = 0;
         match &mut self.factor {
             Some(factor) => factor.refactor(values)?,

@@ -127,7 +127,10 @@ impl Session {
             return ("running", format!("Running step {}", rounds + 1));
         }
         if cones.tracing.is_some() {
-            return ("running", format!("Running step {}: tracing the path over λ", cones.path.len()));
+            return (
+                "running",
+                format!("Running step {}: tracing the path over λ", cones.path.len()),
+            );
         }
         match cones.status() {
             _ if !cones.is_solved() => ("ready", "Ready".into()),
@@ -248,7 +251,8 @@ impl Session {
                 },
                 Some(changed) => {
                     let kind = if angle.is_some() { ConeKind::Fixed } else { ConeKind::Free };
-                    *changed = work.edited(changed, vertex, kind, ConeEdit::Add { vertex, angle })?;
+                    *changed =
+                        work.edited(changed, vertex, kind, ConeEdit::Add { vertex, angle })?;
                     if angle.is_none() {
                         work.refit(changed)?;
                     }

@@ -70,7 +70,10 @@ pub fn edit_problem(surface: &Surface, error: &EditError) -> Problem {
             "Change that one, or choose another place.",
         ),
         EditError::OutOfRange { vertex, angle, least, most } => Problem::new(
-            format!("A cone would have the angle {}: nothing could be flat around it.", in_pi(angle)),
+            format!(
+                "A cone would have the angle {}: nothing could be flat around it.",
+                in_pi(angle)
+            ),
             place(vertex),
             format!(
                 "Its angle has to lie between {} and {}; choose a smaller change, or set other cones free.",

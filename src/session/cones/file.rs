@@ -35,7 +35,10 @@ pub fn is_cones_file(bytes: &[u8]) -> bool {
 fn cones_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<Vec<Cone>, Problem> {
     let wrong = |what: String, advice: &str| Problem::new(what, format!("{name}."), advice);
     let file: ConesFile = serde_json::from_slice(bytes).map_err(|error| {
-        wrong(format!("The cones cannot be read: {error}."), "Choose a cones.json that Cutflow wrote.")
+        wrong(
+            format!("The cones cannot be read: {error}."),
+            "Choose a cones.json that Cutflow wrote.",
+        )
     })?;
     if !file.format.starts_with(FORMAT) {
         return Err(wrong(
@@ -46,7 +49,10 @@ fn cones_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<Vec<Co
     let count = surface.soup.positions.len();
     if file.vertices != count {
         return Err(wrong(
-            format!("The cones are of a mesh of {} vertices, and this one has {count}.", file.vertices),
+            format!(
+                "The cones are of a mesh of {} vertices, and this one has {count}.",
+                file.vertices
+            ),
             "Open the mesh that they were made for first.",
         ));
     }
@@ -61,7 +67,10 @@ fn cones_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<Vec<Co
     cones.sort_by_key(|cone| cone.vertex);
     if let Some(pair) = cones.windows(2).find(|pair| pair[0].vertex == pair[1].vertex) {
         let vertex = surface.soup_vertices[pair[0].vertex.index()];
-        return Err(wrong(format!("Vertex {vertex} is a cone twice."), "Leave one of the two out."));
+        return Err(wrong(
+            format!("Vertex {vertex} is a cone twice."),
+            "Leave one of the two out.",
+        ));
     }
     Ok(cones)
 }

@@ -28,11 +28,8 @@ pub fn of_optimum(
         });
     }
     let (optimum, best_u) = (state.cones.clone(), state.u.clone());
-    let alone = |cone: &Cone| UsedCone {
-        cone: *cone,
-        kind: edits.kind(cone.vertex, 1),
-        members: 1,
-    };
+    let alone =
+        |cone: &Cone| UsedCone { cone: *cone, kind: edits.kind(cone.vertex, 1), members: 1 };
     let mut used: Vec<UsedCone> = optimum.iter().map(alone).collect();
     let mut is_optimum = true;
     // Cones that were placed by hand stay where they are.
@@ -52,7 +49,8 @@ pub fn of_optimum(
     if settings.is_on("debias") {
         let cones: Vec<Cone> = used.iter().map(|used| used.cone).collect();
         let is_held = |used: &&UsedCone| used.kind == ConeKind::Fixed;
-        let held: Vec<VertexId> = used.iter().filter(is_held).map(|used| used.cone.vertex).collect();
+        let held: Vec<VertexId> =
+            used.iter().filter(is_held).map(|used| used.cone.vertex).collect();
         used.sort_by_key(|used| used.cone.vertex);
         let fitted = debias(flow, &cones, &held)?;
         used.iter_mut().zip(fitted).for_each(|(used, cone)| used.cone = cone);

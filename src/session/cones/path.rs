@@ -1,8 +1,8 @@
 //! The optimum as a function of λ, sampled while there is time.
 
 use super::super::message::Event;
-use super::table::ConePathPoint;
 use super::Cones;
+use super::table::ConePathPoint;
 use crate::methods::cones::{ConePath, PathPoint};
 use crate::methods::flow::SolveError;
 
