@@ -94,6 +94,15 @@ impl Surface {
         }
     }
 
+    /// The mesh and the metric that cones are found on: the given triangles, whose cotangents charts will have too, unless some of them
+    /// have no area.
+    pub fn given_or_mended(&self) -> (&Mesh, &Geometry) {
+        match &self.solving {
+            Some(better) if better.mollified > 0.0 => (&better.mesh, &better.geometry),
+            _ => (&self.mesh, &self.geometry),
+        }
+    }
+
     /// The mesh's vertex of a vertex of the file.
     pub fn mesh_vertex(&self, soup_vertex: usize) -> Option<VertexId> {
         let wanted = u32::try_from(soup_vertex).ok()?;

@@ -70,7 +70,7 @@ pub fn fields(
     let (mut distortion_weight, mut cone_cost) = (Vec::new(), Vec::new());
     let strength = settings.number("feature_weight");
     if strength > 0.0 {
-        let (mesh, geometry) = surface.solving();
+        let (mesh, geometry) = surface.given_or_mended();
         (distortion_weight, cone_cost) = feature_size_weights(mesh, geometry, strength);
     }
     if !(layers.importance.is_empty() && layers.unimportant.is_empty()) {
