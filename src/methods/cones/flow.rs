@@ -11,6 +11,7 @@ use super::params::{
     Cone, ConeEvaluation, ConeFields, ConeMethod, ConeParams, ConeState, ConeTarget,
 };
 use super::problem::{ActiveSet, Problem};
+use super::rounding::{RoundParams, round_clusters};
 use super::system::{NONE, Response};
 use super::two_ring::TwoRing;
 use crate::geometry::Geometry;
@@ -240,7 +241,7 @@ impl ConeFlow {
     pub fn aim(&mut self, target: ConeTarget) -> Result<(), SolveError> {
         match target {
             ConeTarget::Lambda(lambda) => return self.set_lambda(lambda),
-            ConeTarget::Count(_) => {}
+            ConeTarget::Count(_) | ConeTarget::Merged(_) => {}
             ConeTarget::TotalAngle(value) if value >= 0.0 && value < f64::INFINITY => {}
             ConeTarget::Distortion(value) if value >= 0.0 && value < f64::INFINITY => {}
             ConeTarget::TotalAngle(value) => {
@@ -369,7 +370,8 @@ impl ConeFlow {
         let certificate = self.certificate;
         self.state = ConeState {
             lambda: self.problem.params.lambda,
-            total_angle: cones.iter().map(|c| c.angle.abs()).sum(),
+            // Not `sum`, which is −0 of nothing.
+            total_angle: cones.iter().fold(0.0, |sum, c| sum + c.angle.abs()),
             int_u2: self.int_u2(&u),
             cones,
             corners,
@@ -556,6 +558,12 @@ impl ConeFlow {
         Ok(())
     }
 
+    /// How many cones are left when clusters are merged.
+    fn merged_count(&self) -> usize {
+        let params = RoundParams { bounds: self.problem.params.bounds, ..RoundParams::default() };
+        round_clusters(&self.mesh, &self.geometry, &self.state.cones, &params).cones.len()
+    }
+
     /// Learns λ_max from an optimum, and goes on to the next λ of a search.
     fn conclude(&mut self) {
         self.progress.is_warm = true;
@@ -568,7 +576,11 @@ impl ConeFlow {
         let most = self.lambda_max().max(f64::MIN_POSITIVE);
         if let Some(mut search) = self.progress.search.take() {
             // Above λ_max nothing changes; far below, every vertex is a cone.
-            let next = search.next(&self.state, [1e-6 * most, most]);
+            let cones = match search.is_merged() {
+                true => self.merged_count(),
+                false => self.state.cones.len(),
+            };
+            let next = search.next(&self.state, cones, [1e-6 * most, most]);
             match next {
                 Some(lambda) => {
                     self.progress.search = Some(search);

@@ -51,7 +51,13 @@ pub fn params(settings: &Settings) -> ConeParams {
 /// What the solver has to reach.
 pub fn target(settings: &Settings) -> ConeTarget {
     match settings.text("choose_by") {
-        "count" => ConeTarget::Count(settings.number("cone_count") as usize),
+        "count" => {
+            let most = settings.number("cone_count") as usize;
+            match settings.is_on("round") {
+                true => ConeTarget::Merged(most),
+                false => ConeTarget::Count(most),
+            }
+        }
         "angle" => ConeTarget::TotalAngle(settings.number("angle_target") * PI),
         "distortion" => ConeTarget::Distortion(settings.number("distortion_target")),
         _ => ConeTarget::Lambda(settings.number("lambda")),
