@@ -31,6 +31,9 @@ const GOOD: f64 = 1e-8;
 /// with more there are columns that nobody needs.
 const FEWEST_NEW: usize = 6;
 
+/// Ratio of two prices up to which the cones of one are a start for Newton's method at the other.
+const NEAR: f64 = 1.5;
+
 /// Green's functions computed in one step: what keeps a step short.
 const MOST_COLUMNS: usize = 64;
 
@@ -176,6 +179,8 @@ impl ConeFlow {
     }
 
     fn change_lambda(&mut self, lambda: f64) {
+        let ratio = lambda / self.problem.params.lambda;
+        self.progress.is_warm &= (1.0 / NEAR..=NEAR).contains(&ratio);
         self.problem.params.lambda = lambda;
         self.progress.wake();
         let order = &self.progress.set.order;
@@ -458,8 +463,8 @@ impl ConeFlow {
 
     /// Whether Newton's method is predicted to be faster from here.
     ///
-    /// Solves move data, factorisations compute: an entry of a factor costs about as much time in a solve as four operations in a
-    /// factorisation. How many cones there will be is not known, so Green's functions go on until they have cost what Newton's method
+    /// Solves move data, factorisations compute: an entry of a factor takes about as long in a solve as 16 operations in a factorisation.
+    /// How many cones there will be is not known, so Green's functions go on until they have cost what Newton's method
     /// would: at worst the two together cost twice the better one.
     fn prefers_newton(&self) -> bool {
         match self.problem.params.method {
@@ -480,7 +485,7 @@ impl ConeFlow {
         let columns = (self.progress.columns + missing) as f64;
         let free = self.progress.set.order.len() as f64;
         // A column is solves; with it come about four moves of the dense problem.
-        let greens = columns * (16.0 * solves as f64 * small + 8.0 * free * free);
+        let greens = columns * (64.0 * solves as f64 * small + 8.0 * free * free);
         greens > newton
     }
 
@@ -496,6 +501,7 @@ impl ConeFlow {
         let progress = &mut self.progress;
         if progress.descent.is_none() {
             let phi = greens::shifted(&self.problem, &progress.set, &self.response);
+            progress.is_warm |= progress.columns > 0;
             progress.descent = Some(if progress.is_warm {
                 Descent::warm(phi, progress.set.clone())
             } else {
@@ -531,6 +537,7 @@ impl ConeFlow {
                 progress.descent = None;
                 progress.is_lost = !progress.is_warm;
                 progress.is_warm = false;
+                progress.columns = 0;
                 progress.is_settled = progress.set.order.is_empty();
             }
         }
