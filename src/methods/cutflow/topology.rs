@@ -50,7 +50,9 @@ pub(super) fn keep_simple(
             let reachable = mesh.outgoing(v).any(|h| old[mesh.tip(h).index()] == wanted);
             let allowed = reachable
                 && match topology {
-                    Topology::Preserve | Topology::Adaptive => is_simple(mesh, &labels, v, wanted, vanish),
+                    Topology::Preserve | Topology::Adaptive => {
+                        is_simple(mesh, &labels, v, wanted, vanish)
+                    }
                     Topology::Merge => {
                         is_simple(mesh, &labels, v, wanted, true)
                             || (arcs(mesh, &labels, v, wanted) > 0
