@@ -139,8 +139,9 @@ export function coneMethod(on) {
         plot.rivals(event.rows.slice(1));
       },
     },
-    /** What stands above the slider of λ. */
+    /** What stands above the slider of λ, and below all sliders beside it. */
     path: path.node,
+    foot: path.foot,
     /** Takes the specs of the parameters. */
     specs: (specs) => path.spec(specs.find(({ id }) => id === "lambda")),
     /** Takes a `status` event: a solution begins, a path is traced, or neither. */

@@ -111,7 +111,7 @@ const cones = coneMethod({
   },
   facts: (text) => status.figures(text),
 });
-const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), { Symmetry: symmetry.node }, { lambda: cones.path });
+const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), { Symmetry: symmetry.node, Sparsity: cones.foot }, { lambda: cones.path });
 const presets = presetsPanel(
   byId("presets"),
   (id) => changing("Setting the preset", { type: "apply_preset", id }),
@@ -234,8 +234,8 @@ const handlers = {
   parameters(event) {
     now.values = event.values;
     now.opened[event.method] ??= event.values;
-    parameters.show(event);
     cones.specs(event.specs);
+    parameters.show(event);
   },
   presets: (event) => presets.show(event),
   paint_channels(event) {

@@ -47,7 +47,7 @@ for (const renderer of RENDERERS) {
           return post.call(this, message, ...rest);
         };
       });
-      await page.visit(`${PAGE}?renderer=${renderer.query}&method=cones&run=0`);
+      await page.visit(`${PAGE}?renderer=${renderer.query}&method=cones&run=0&sample=sinusoidal_sheet`);
     });
     after(() => browser?.close());
 
@@ -67,7 +67,12 @@ for (const renderer of RENDERERS) {
       await browser.page.waitForTimeout(200);
       return rows();
     }
-    /** Where the labels of glyphs say that cones are seen: a place left of each label, beside its glyph. */
+    /** Vertices that are cones, before neighbours are merged. */
+    const raw = async () => Number(/([\d\u202f]+) cones? at λ/.exec(await path().getAttribute("aria-label"))?.[1].replaceAll("\u202f", ""));
+    async function restRaw() {
+      await rest();
+      return raw();
+    }
     const middle = async () => {
       const { x, y, width, height } = await page.canvas("Surface view").boundingBox();
       return { x: x + width / 2, y: y + height / 2 };
@@ -96,7 +101,7 @@ for (const renderer of RENDERERS) {
     });
 
     it("follows the slider of λ, one question at a time", async () => {
-      const before = await rest();
+      const before = await restRaw();
       await forget();
       const box = await slider().boundingBox();
       const y = box.y + box.height / 2;
@@ -106,12 +111,12 @@ for (const renderer of RENDERERS) {
       await browser.page.mouse.down();
       for (let i = 1; i <= 30; i += 1) await browser.page.mouse.move(place(at * (1 - 0.5 * (i / 30))), y);
       await browser.page.mouse.up();
-      const count = await page.until("more cones at a lower price", rest, (count) => count > before);
+      const count = await page.until("more cones at a lower price", restRaw, (count) => count > before);
       const asked = await sent("set_parameter");
       assert.ok(asked.length >= 2 && asked.every(({ id }) => id === "lambda"), JSON.stringify(asked));
       assert.equal(await browser.page.evaluate(() => window.mostOpen), 1, "a question waits for the answer before it");
       await page.press("Undo");
-      await page.until("fewer cones again", rest, (now) => now < count);
+      await page.until("fewer cones again", restRaw, (now) => now < count);
     });
 
     it("traces the path, and shows it above the slider and as a curve", async () => {
@@ -219,13 +224,27 @@ for (const renderer of RENDERERS) {
 
     it("lights the row of the cone under the pointer, and the other way round", async () => {
       await rest();
-      const unlit = await picture();
-      await table().locator("tbody tr").first().hover();
-      await browser.page.waitForTimeout(400);
-      assert.ok(await table().locator("tbody tr.on").first().isVisible(), "the row is lit");
+      // A cone that is seen: one with a label, whose glyph lies beside it on one of four sides.
       const label = browser.page.locator(".surface .cone-labels g:not([hidden])").first();
-      await label.waitFor();
-      void unlit;
+      const box = await label.locator("rect").boundingBox();
+      const lit = () => table().locator("tbody tr.on").count();
+      const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+      const places = [12, 16, 8].flatMap((gap) => [[box.x - gap, y], [box.x + box.width + gap, y], [x, box.y + box.height + gap], [x, box.y - gap]]);
+      let found = false;
+      for (const [left, top] of places) {
+        await browser.page.mouse.move(left, top);
+        await browser.page.waitForTimeout(300);
+        found = (await lit()) === 1;
+        if (found) break;
+      }
+      assert.ok(found, "no row is lit beside a label");
+      assert.match(await browser.page.locator(".surface .tip").textContent(), /^Cone \d+ −?\d\.\d\d/);
+      const pointed = decodePng(await page.canvas("Surface view").screenshot());
+      await browser.page.mouse.move(5, 5);
+      await page.until("no row is lit", lit, (count) => count === 0);
+      await table().locator("tbody tr").first().hover();
+      await page.until("the row under the pointer is lit", lit, (count) => count === 1);
+      assert.ok(difference(pointed, await picture()) > 0, "the glyph looks as before");
     });
 
     it("exports a chart without flips, cut open", async () => {

@@ -35,8 +35,6 @@ export function conesPanel(host, on) {
   const lines = [];
   const isNarrow = matchMedia("(max-width: 820px)");
   const body = h("tbody");
-  const noteText = h("span");
-  const noteLine = h("p", { class: "advice", hidden: true }, icon("info"), noteText);
   const more = h("button", { class: "act", hidden: true, onclick: showAll });
   const nothing = h("p", { class: "muted", hidden: true });
   const table = h(
@@ -55,7 +53,7 @@ export function conesPanel(host, on) {
     ),
     body,
   );
-  host.append(table, noteLine, nothing, more);
+  host.append(table, nothing, more);
 
   function line(i) {
     while (lines.length <= i) lines.push(newLine(lines.length));
@@ -182,10 +180,8 @@ export function conesPanel(host, on) {
     if (hadFocus >= shown && shown > 0) lines[shown - 1].pick.focus({ preventScroll: true });
     more.hidden = order.length <= shown;
     write(more, `Show all ${count(order.length)}`);
-    write(noteText, note ?? "");
-    noteLine.hidden = !note;
-    nothing.hidden = order.length > 0 || Boolean(note);
-    write(nothing, "No cones yet. Run places them; the tool with the plus adds one by hand.");
+    nothing.hidden = order.length > 0;
+    write(nothing, note ?? "No cones yet. Run places them; the tool with the plus adds one by hand.");
     mark();
     if (isNews) reveal(selected);
     isNews = false;

@@ -44,7 +44,10 @@ export function pathPanel(on) {
     h("span", { class: "fine" }, "Edited by hand"),
     h("button", { type: "button", class: "act", onclick: on.clear, title: "Drops all edits: the optimum chooses places and angles again" }, "Drop edits"),
   );
-  const node = h("div", { class: "path", hidden: true }, h("div", { class: "pathplot" }, svg, h("div", { class: "over" }, work, trace)), edited);
+  const note = h("p", { class: "fine", hidden: true });
+  const node = h("div", { class: "path", hidden: true }, h("div", { class: "pathplot" }, svg, h("div", { class: "over" }, work, trace)));
+  // Below the sliders, which are not to move away under a hand.
+  const foot = h("div", { class: "pathfoot", hidden: true }, note, edited);
   new ResizeObserver(([{ contentRect }]) => {
     width = contentRect.width;
     redraw();
@@ -82,6 +85,7 @@ export function pathPanel(on) {
 
   const redraw = paced(INTERVAL, () => {
     node.hidden = !range;
+    foot.hidden ||= !range;
     if (!range || width < 40) return;
     const { min, max } = range;
     svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
@@ -105,11 +109,15 @@ export function pathPanel(on) {
     }
     if (now) {
       const [x, y] = [place(now.lambda), rise(shown, most)];
-      const isRight = x < width * 0.55;
+      const whole = plural(shown, "cone");
+      const texts = now.cones.length === shown ? [whole] : [`${whole}, merged to ${count(now.cones.length)}`, whole];
+      const room = Math.max(x, width - x) - 8;
+      const text = texts.find((text) => text.length * 6.6 < room) ?? texts.at(-1);
+      const isRight = x < width / 2;
       nodes.push(
         s("path", { class: "now", d: `M${x.toFixed(1)} ${TOP - 6}V${FLOOR}` }),
         s("circle", { class: "now", cx: x, cy: y, r: 4 }),
-        s("text", { class: "label", x: isRight ? x + 8 : x - 8, y: Math.max(12, Math.min(y - 7, FLOOR - 6)), "text-anchor": isRight ? "start" : "end" }, now.cones.length === shown ? plural(shown, "cone") : `${plural(shown, "cone")}, merged to ${count(now.cones.length)}`),
+        s("text", { class: "label", x: isRight ? x + 8 : x - 8, y: Math.max(12, Math.min(y - 7, FLOOR - 6)), "text-anchor": isRight ? "start" : "end" }, text),
       );
     }
     svg.replaceChildren(...nodes);
@@ -124,6 +132,9 @@ export function pathPanel(on) {
     write(trace, points.length > 1 ? "Trace the rest" : "Trace path");
     if (hadFocus && document.activeElement === document.body && wasPressed) (isTracing ? stop : trace).focus({ preventScroll: true });
     edited.hidden = !now?.is_edited;
+    note.hidden = !now?.note;
+    write(note, now?.note ?? "");
+    foot.hidden = edited.hidden && note.hidden;
   });
   /** Whether the keyboard or the pointer began what goes on: the focus stays with the two buttons. */
   let wasPressed = false;
@@ -131,10 +142,12 @@ export function pathPanel(on) {
 
   return {
     node,
+    foot,
     /** Takes the spec of λ, undefined where the method has none. */
     spec(spec) {
       const bounds = spec?.kind.number;
       range = bounds ? { ...scale(bounds), min: bounds.min > 0 ? bounds.min : bounds.step, max: bounds.max } : null;
+      if (!range) foot.hidden = true;
       redraw();
     },
     /** Takes a `cones` event. */
