@@ -23,7 +23,12 @@ impl Work {
     pub fn note(&self, layout: &Layout) -> Option<String> {
         if self.method == Method::Cones {
             let coarse = self.coarse_mesh().map(|notice| notice.text);
-            let texts: Vec<String> = self.cones_note().into_iter().chain(coarse).collect();
+            let is_exact = layout.flattening.angles_exact;
+            let inexact = (!is_exact && self.is_settled).then(|| {
+                "The chart could not be closed with exact angles at the cones: its outline was bent a little.".to_owned()
+            });
+            let texts: Vec<String> =
+                self.cones_note().into_iter().chain(inexact).chain(coarse).collect();
             return (!texts.is_empty()).then(|| texts.join(" "));
         }
         let texts: Vec<String> = self.notices(layout).into_iter().map(|n| n.text).collect();

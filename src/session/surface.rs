@@ -6,6 +6,7 @@
 )]
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
@@ -26,11 +27,11 @@ pub struct Surface {
     /// For each face the polygon of the file that it is a part of.
     pub face_polygons: Vec<u32>,
     /// Connectivity of the used vertices.
-    pub mesh: Mesh,
+    pub mesh: Arc<Mesh>,
     /// Its shape in numbers.
     pub topology: Topology,
     /// Measured at unit area.
-    pub geometry: Geometry,
+    pub geometry: Arc<Geometry>,
     /// From unit area back to the file.
     pub frame: UnitFrame,
     /// The same surface divided without slivers, where it has any: what methods solve on. Same vertices.
@@ -75,9 +76,9 @@ impl Surface {
             soup,
             soup_vertices,
             face_polygons,
-            mesh,
+            mesh: Arc::new(mesh),
             topology,
-            geometry,
+            geometry: Arc::new(geometry),
             frame,
             solving,
             vertex_normals,
@@ -90,7 +91,24 @@ impl Surface {
     pub fn solving(&self) -> (&Mesh, &Geometry) {
         match &self.solving {
             Some(better) => (&better.mesh, &better.geometry),
-            None => (&self.mesh, &self.geometry),
+            None => (&*self.mesh, &*self.geometry),
+        }
+    }
+
+    /// The same for a method that keeps them.
+    pub fn solving_shared(&self) -> (Arc<Mesh>, Arc<Geometry>) {
+        match &self.solving {
+            Some(better) => (Arc::new(better.mesh.clone()), Arc::new(better.geometry.clone())),
+            None => (self.mesh.clone(), self.geometry.clone()),
+        }
+    }
+
+    /// The mesh and the metric that cones are found on: the given triangles, whose cotangents charts will have too, unless some of them
+    /// have no area.
+    pub fn given_or_mended(&self) -> (&Mesh, &Geometry) {
+        match &self.solving {
+            Some(better) if better.mollified > 0.0 => (&better.mesh, &better.geometry),
+            _ => (&self.mesh, &self.geometry),
         }
     }
 

@@ -544,8 +544,7 @@ pub(super) fn start_flow(
 ) -> Result<CutFlow, Problem> {
     let wrong = |error| Problem::solve(&document.name, &error);
     let surface = document.surface()?;
-    let (mesh, geometry) = surface.solving();
-    let (mesh, geometry) = (mesh.clone(), geometry.clone());
+    let (mesh, geometry) = surface.solving_shared();
     let fields = inputs::fields(settings, layers, mesh.vertex_count());
     let params = settings.flow_params();
     match checkpoint {

@@ -49,11 +49,11 @@ fn one_closed_curve_on_2562_vertices_to_the_end_of_every_run() {
 
 #[test]
 fn one_closed_curve_on_10242_vertices_for_many_steps() {
-    all(32, false, |cap| if cap < 0.5 { 20 } else { 30 });
+    all(32, false, |cap| if cap < 0.5 { 15 } else { 25 });
 }
 
 /// Coarse surfaces make the long way; `cargo xtask bench` also runs these without them, to the end.
 #[test]
 fn one_closed_curve_on_40962_vertices_from_coarse_to_fine() {
-    all(64, true, |_| 3);
+    all(64, true, |_| 2);
 }

@@ -750,7 +750,7 @@ fn charts_do_not_care_where_the_surface_stands_or_how_its_vertices_are_numbered(
     // The same seams on a turned, renumbered copy.
     let count = surface.mesh.vertex_count() as u32;
     let number = |v: u32| (v * 11 + 3) % count;
-    assert!(count % 11 != 0);
+    assert!(!count.is_multiple_of(11));
     let turn = Rotation3::from_euler_angles(1.0, 0.4, -2.0);
     let mut positions = vec![Point3::origin(); count as usize];
     for (v, p) in surface.geometry.positions.iter().enumerate() {

@@ -390,3 +390,34 @@ fn what_the_command_cannot_do_it_says_in_three_parts() {
         assert!(!arguments.ends_with("3,3") || text.contains("Vertex 3 "), "{text}");
     }
 }
+
+#[test]
+fn the_list_of_parameters_needs_no_mesh_and_an_unknown_start_is_answered_with_those_there_are() {
+    let folder = folder("words", 2);
+    for arguments in ["--set help", "--set=help", "absent.obj --set help"] {
+        let text = cut(&folder, arguments).unwrap();
+        assert!(text.contains("topology  (adaptive, preserve, merge, free)"), "{text}");
+    }
+    let text = cut(&folder, "ball.obj --init normal").unwrap_err();
+    assert!(text.contains("normals") && text.contains("volleyball") && text.contains("cut.json"));
+}
+
+#[test]
+fn a_mesh_too_coarse_for_its_curvature_is_cut_with_a_notice_that_says_what_to_do() {
+    // Edges of 63°, of 32°, of 8°.
+    for (n, is_coarse) in [(1, true), (2, true), (8, false)] {
+        let folder = folder(&format!("coarse-{n}"), n);
+        let report = report(&folder, "ball.obj --init plane --offset 5 --steps 2");
+        let notices = report["notices"].as_array().unwrap();
+        let told = notices.iter().find(|notice| notice["kind"] == "coarse_mesh");
+        assert_eq!(told.is_some(), is_coarse, "{n}: {notices:?}");
+        let mut session = Session::new();
+        let events = session.open("ball.obj", ball(n).as_bytes());
+        let note = events.iter().find_map(|event| match event {
+            Event::Measures { note, .. } => Some(note.clone().unwrap_or_default()),
+            _ => None,
+        });
+        let note = note.unwrap();
+        assert_eq!(note.contains("Refine it under Prepare"), is_coarse, "{n}: {note}");
+    }
+}

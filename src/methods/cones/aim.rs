@@ -28,15 +28,20 @@ pub(super) struct Search {
 }
 
 impl Search {
+    /// Whether clusters count as one cone.
+    pub fn is_merged(&self) -> bool {
+        matches!(self.target, ConeTarget::Merged(_))
+    }
+
     pub fn new(target: ConeTarget) -> Self {
         Self { target, below: None, above: None, trials: 0, is_last: false, is_reached: true }
     }
 
     /// What is searched for, as a function that falls with λ.
-    fn miss(&self, state: &ConeState) -> f64 {
+    fn miss(&self, state: &ConeState, cones: usize) -> f64 {
         match self.target {
             ConeTarget::Lambda(_) => 0.0,
-            ConeTarget::Count(count) => state.cones.len() as f64 - count as f64,
+            ConeTarget::Count(count) | ConeTarget::Merged(count) => cones as f64 - count as f64,
             ConeTarget::TotalAngle(angle) => state.total_angle - angle,
             ConeTarget::Distortion(distortion) => distortion - state.int_u2,
         }
@@ -44,15 +49,15 @@ impl Search {
 
     /// The λ to be solved for next; none when the search has ended at the optimum handed in.
     ///
-    /// **Takes** the optimum at `state.lambda`, and the range that λ may lie in.
-    pub fn next(&mut self, state: &ConeState, range: [f64; 2]) -> Option<f64> {
+    /// **Takes** the optimum at `state.lambda`, how many cones it counts for, and the range that λ may lie in.
+    pub fn next(&mut self, state: &ConeState, cones: usize, range: [f64; 2]) -> Option<f64> {
         if let ConeTarget::Lambda(lambda) = self.target {
             return (lambda.to_bits() != state.lambda.to_bits()).then_some(lambda);
         }
         if self.is_last {
             return None;
         }
-        let miss = self.miss(state);
+        let miss = self.miss(state, cones);
         let scale = match self.target {
             ConeTarget::TotalAngle(x) | ConeTarget::Distortion(x) => x.abs(),
             _ => 0.0,
@@ -77,7 +82,8 @@ impl Search {
             }
             (None, Some((high, _))) => {
                 if high <= range[0] {
-                    self.is_reached = matches!(self.target, ConeTarget::Count(_));
+                    self.is_reached =
+                        matches!(self.target, ConeTarget::Count(_) | ConeTarget::Merged(_));
                     return None;
                 }
                 (0.5 * high).max(range[0])

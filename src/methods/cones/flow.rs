@@ -11,6 +11,7 @@ use super::params::{
     Cone, ConeEvaluation, ConeFields, ConeMethod, ConeParams, ConeState, ConeTarget,
 };
 use super::problem::{ActiveSet, Problem};
+use super::rounding::{RoundParams, round_clusters};
 use super::system::{NONE, Response};
 use super::two_ring::TwoRing;
 use crate::geometry::Geometry;
@@ -29,6 +30,9 @@ const GOOD: f64 = 1e-8;
 /// Angles let free in one round: at least so many, and a share of those that are free already. With fewer there are more rounds,
 /// with more there are columns that nobody needs.
 const FEWEST_NEW: usize = 6;
+
+/// Ratio of two prices up to which the cones of one are a start for Newton's method at the other.
+const NEAR: f64 = 1.5;
 
 /// Green's functions computed in one step: what keeps a step short.
 const MOST_COLUMNS: usize = 64;
@@ -175,6 +179,8 @@ impl ConeFlow {
     }
 
     fn change_lambda(&mut self, lambda: f64) {
+        let ratio = lambda / self.problem.params.lambda;
+        self.progress.is_warm &= (1.0 / NEAR..=NEAR).contains(&ratio);
         self.problem.params.lambda = lambda;
         self.progress.wake();
         let order = &self.progress.set.order;
@@ -240,7 +246,7 @@ impl ConeFlow {
     pub fn aim(&mut self, target: ConeTarget) -> Result<(), SolveError> {
         match target {
             ConeTarget::Lambda(lambda) => return self.set_lambda(lambda),
-            ConeTarget::Count(_) => {}
+            ConeTarget::Count(_) | ConeTarget::Merged(_) => {}
             ConeTarget::TotalAngle(value) if value >= 0.0 && value < f64::INFINITY => {}
             ConeTarget::Distortion(value) if value >= 0.0 && value < f64::INFINITY => {}
             ConeTarget::TotalAngle(value) => {
@@ -369,7 +375,8 @@ impl ConeFlow {
         let certificate = self.certificate;
         self.state = ConeState {
             lambda: self.problem.params.lambda,
-            total_angle: cones.iter().map(|c| c.angle.abs()).sum(),
+            // Not `sum`, which is −0 of nothing.
+            total_angle: cones.iter().fold(0.0, |sum, c| sum + c.angle.abs()),
             int_u2: self.int_u2(&u),
             cones,
             corners,
@@ -456,8 +463,8 @@ impl ConeFlow {
 
     /// Whether Newton's method is predicted to be faster from here.
     ///
-    /// Solves move data, factorisations compute: an entry of a factor costs about as much time in a solve as four operations in a
-    /// factorisation. How many cones there will be is not known, so Green's functions go on until they have cost what Newton's method
+    /// Solves move data, factorisations compute: an entry of a factor takes about as long in a solve as 16 operations in a factorisation.
+    /// How many cones there will be is not known, so Green's functions go on until they have cost what Newton's method
     /// would: at worst the two together cost twice the better one.
     fn prefers_newton(&self) -> bool {
         match self.problem.params.method {
@@ -478,7 +485,7 @@ impl ConeFlow {
         let columns = (self.progress.columns + missing) as f64;
         let free = self.progress.set.order.len() as f64;
         // A column is solves; with it come about four moves of the dense problem.
-        let greens = columns * (16.0 * solves as f64 * small + 8.0 * free * free);
+        let greens = columns * (64.0 * solves as f64 * small + 8.0 * free * free);
         greens > newton
     }
 
@@ -494,6 +501,7 @@ impl ConeFlow {
         let progress = &mut self.progress;
         if progress.descent.is_none() {
             let phi = greens::shifted(&self.problem, &progress.set, &self.response);
+            progress.is_warm |= progress.columns > 0;
             progress.descent = Some(if progress.is_warm {
                 Descent::warm(phi, progress.set.clone())
             } else {
@@ -529,6 +537,7 @@ impl ConeFlow {
                 progress.descent = None;
                 progress.is_lost = !progress.is_warm;
                 progress.is_warm = false;
+                progress.columns = 0;
                 progress.is_settled = progress.set.order.is_empty();
             }
         }
@@ -556,6 +565,12 @@ impl ConeFlow {
         Ok(())
     }
 
+    /// How many cones are left when clusters are merged.
+    fn merged_count(&self) -> usize {
+        let params = RoundParams { bounds: self.problem.params.bounds, ..RoundParams::default() };
+        round_clusters(&self.mesh, &self.geometry, &self.state.cones, &params).cones.len()
+    }
+
     /// Learns λ_max from an optimum, and goes on to the next λ of a search.
     fn conclude(&mut self) {
         self.progress.is_warm = true;
@@ -568,7 +583,11 @@ impl ConeFlow {
         let most = self.lambda_max().max(f64::MIN_POSITIVE);
         if let Some(mut search) = self.progress.search.take() {
             // Above λ_max nothing changes; far below, every vertex is a cone.
-            let next = search.next(&self.state, [1e-6 * most, most]);
+            let cones = match search.is_merged() {
+                true => self.merged_count(),
+                false => self.state.cones.len(),
+            };
+            let next = search.next(&self.state, cones, [1e-6 * most, most]);
             match next {
                 Some(lambda) => {
                     self.progress.search = Some(search);

@@ -254,7 +254,7 @@ impl Greedy {
         GreedyStep {
             vertex,
             count: cones.len(),
-            total_angle: cones.iter().map(|c| c.angle.abs()).sum(),
+            total_angle: cones.iter().fold(0.0, |sum, c| sum + c.angle.abs()),
             int_u2: self.centred().iter().zip(&self.masses).map(|(u, m)| m * u * u).sum(),
         }
     }

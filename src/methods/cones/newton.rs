@@ -23,6 +23,9 @@ const STEPS: usize = 3;
 /// Corrections of the exact active set in all, and in a row without fewer changes than ever before.
 const CORRECTIONS: usize = 40;
 const PATIENCE: usize = 10;
+/// Excess of |φ| over t, as a fraction of t, that is let in everywhere and not at its peaks only. With larger ones whole surroundings of
+/// cones come in and have to be peeled off again.
+const SMALL: f64 = 0.01;
 /// Such corrections after which the set goes in circles.
 const CIRCLES: usize = 3;
 
@@ -173,6 +176,14 @@ impl Descent {
             for (i, sign) in entering(problem, &set, &phi, tolerance, usize::MAX) {
                 set.release(i, sign);
                 changes += 1;
+            }
+            // Where φ is almost right already, peaks alone would grow wide patches of cones one vertex at a time.
+            for i in 0..n {
+                let (excess, sign) = problem.excess(&set, i, phi[i]);
+                if excess > tolerance && excess < SMALL * problem.price(i) {
+                    set.release(i as u32, sign);
+                    changes += 1;
+                }
             }
         }
         if changes == 0 {

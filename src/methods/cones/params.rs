@@ -159,6 +159,9 @@ pub enum ConeTarget {
     Lambda(f64),
     /// The smallest λ at which there are at most so many cones, up to a thousandth.
     Count(usize),
+    /// The smallest λ at which there are at most so many cones once clusters are merged by [`super::round_clusters`], up to a
+    /// thousandth.
+    Merged(usize),
     /// The λ at which the total angle Σ|μ| is this, radians.
     TotalAngle(f64),
     /// The λ at which the distortion ∫u² is this.

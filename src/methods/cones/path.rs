@@ -24,7 +24,10 @@ pub struct PathPoint {
 pub struct ConePath {
     samples: usize,
     least: f64,
-    lambdas: Vec<f64>,
+    /// λ_max, once it is known.
+    most: Option<f64>,
+    /// Samples that were begun.
+    begun: usize,
     points: Vec<PathPoint>,
     home: Option<ConeCheckpoint>,
     is_complete: bool,
@@ -45,7 +48,8 @@ impl ConePath {
         Ok(Self {
             samples,
             least,
-            lambdas: Vec::new(),
+            most: None,
+            begun: 0,
             points: Vec::new(),
             home: None,
             is_complete: false,
@@ -80,16 +84,9 @@ impl ConePath {
         if flow.step()?.status == Status::Running {
             return Ok(false);
         }
-        if self.lambdas.is_empty() {
-            // On a closed surface λ_max is known only now.
-            let most = flow.lambda_max();
-            let share = |k: usize| k as f64 / (self.samples - 1) as f64;
-            self.lambdas = (0..self.samples).map(|k| most * self.least.powf(share(k))).collect();
-            self.lambdas.reverse();
-            if flow.lambda_max() <= 0.0 {
-                return self.finish(flow);
-            }
-        } else if flow.status() == Status::Converged {
+        // On a closed surface λ_max is known only after the first optimum.
+        let most = *self.most.get_or_insert(flow.lambda_max());
+        if self.begun > 0 && flow.status() == Status::Converged {
             let state = flow.state();
             self.points.push(PathPoint {
                 lambda: state.lambda,
@@ -98,13 +95,13 @@ impl ConePath {
                 int_u2: state.int_u2,
             });
         }
-        match self.lambdas.pop() {
-            Some(lambda) => {
-                flow.set_lambda(lambda)?;
-                Ok(false)
-            }
-            None => self.finish(flow),
+        if most <= 0.0 || self.begun == self.samples {
+            return self.finish(flow);
         }
+        let share = self.begun as f64 / (self.samples - 1) as f64;
+        flow.set_lambda(most * self.least.powf(share))?;
+        self.begun += 1;
+        Ok(false)
     }
 
     /// Gives up; the flow is as it was.

@@ -80,7 +80,7 @@ impl CutFlow {
         let fine = &self.problem;
         let target_faces = fine.mesh.face_count() / FRACTION;
         let surface = Surface {
-            mesh: fine.mesh.clone(),
+            mesh: (*fine.mesh).clone(),
             positions: fine.geometry.positions.clone(),
             attributes: Attributes::default(),
         };
@@ -119,7 +119,7 @@ impl CutFlow {
         params.saddle_tests = 0;
         // The fine flow finishes; the last tenths of a percent are its own.
         params.tolerance = params.tolerance.max(1e-3);
-        match Self::from_start(mesh, geometry, start, params, &fields) {
+        match Self::from_start(mesh.into(), geometry.into(), start, params, &fields) {
             // With many regions, one that the coarse surface cannot hold may vanish, as in any step.
             Ok(flow)
                 if is_filled

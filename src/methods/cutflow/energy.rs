@@ -18,8 +18,8 @@ use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 
 /// Everything that does not change while the cut moves.
 pub(super) struct Problem {
-    pub mesh: Mesh,
-    pub geometry: Geometry,
+    pub mesh: Arc<Mesh>,
+    pub geometry: Arc<Geometry>,
     pub frames: Frames,
     /// K of every face.
     pub face_sources: Vec<f64>,
@@ -114,7 +114,7 @@ impl SharedFactor {
 }
 
 impl Problem {
-    pub fn new(mesh: Mesh, geometry: Geometry) -> Result<Self, LinalgError> {
+    pub fn new(mesh: Arc<Mesh>, geometry: Arc<Geometry>) -> Result<Self, LinalgError> {
         let laplacian = Laplacian::new(&mesh, &geometry);
         let is_boundary: Vec<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
         let Laplacian { pattern, edge_slots, values: mut base_values, .. } = laplacian;

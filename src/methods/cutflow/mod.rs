@@ -154,11 +154,11 @@ impl Checkpoint {
 impl CutFlow {
     /// Prepares a run: analyses the mesh once and evaluates the initial cut.
     ///
-    /// **Takes** a geometry of unit area and one label for each vertex, or an implicit function (see [`Initial`]).
+    /// **Takes** a surface, which it shares with whoever else holds it, of unit area and one label for each vertex, or an implicit function (see [`Initial`]).
     /// **Fails** if parameters are out of range, if the labels do not cut anything, or if a factorisation fails.
     pub fn new(
-        mesh: Mesh,
-        geometry: Geometry,
+        mesh: impl Into<Arc<Mesh>>,
+        geometry: impl Into<Arc<Geometry>>,
         initial: &Initial,
         params: CutFlowParams,
     ) -> Result<Self, SolveError> {
@@ -169,12 +169,13 @@ impl CutFlow {
     ///
     /// **Fails** also if these have the wrong shape or values out of range.
     pub fn with_fields(
-        mesh: Mesh,
-        geometry: Geometry,
+        mesh: impl Into<Arc<Mesh>>,
+        geometry: impl Into<Arc<Geometry>>,
         initial: &Initial,
         params: CutFlowParams,
         fields: &CutFields,
     ) -> Result<Self, SolveError> {
+        let (mesh, geometry) = (mesh.into(), geometry.into());
         params.validate()?;
         fields.validate(mesh.vertex_count())?;
         let start = initial_labels(&mesh, &geometry, initial)?;
@@ -185,12 +186,13 @@ impl CutFlow {
     ///
     /// **Takes** the surface, options and fields of then.
     pub fn resume(
-        mesh: Mesh,
-        geometry: Geometry,
+        mesh: impl Into<Arc<Mesh>>,
+        geometry: impl Into<Arc<Geometry>>,
         checkpoint: &Checkpoint,
         params: CutFlowParams,
         fields: &CutFields,
     ) -> Result<Self, SolveError> {
+        let (mesh, geometry) = (mesh.into(), geometry.into());
         params.validate()?;
         fields.validate(mesh.vertex_count())?;
         let start = Start::of_labels(checkpoint.levels.labels.clone());
@@ -204,8 +206,8 @@ impl CutFlow {
 
     /// The same from labels and level sets.
     fn from_start(
-        mesh: Mesh,
-        geometry: Geometry,
+        mesh: Arc<Mesh>,
+        geometry: Arc<Geometry>,
         start: Start,
         params: CutFlowParams,
         fields: &CutFields,

@@ -1,5 +1,7 @@
 //! What a person can do with cones, and what is told of them.
 
+use std::f64::consts::PI;
+
 use super::super::inputs::Layers;
 use super::super::layout::Layout;
 use super::super::message::Event;
@@ -438,6 +440,13 @@ impl Work {
             } else {
                 "The surface is flat already: it needs no cones.".into()
             });
+        }
+        if flow.status() == Status::Infeasible {
+            notes.push(format!(
+                "There is no optimum like that: these {} of total angle {:.3} π are as near as it gets.",
+                plural(set.cones.len(), "cone"),
+                set.total_angle / PI
+            ));
         }
         if self.cones.edits.changed.is_none()
             && set.cones.len() < state.cones.len()

@@ -93,7 +93,7 @@ pub fn evaluated(flow: &mut ConeFlow, used: Vec<UsedCone>) -> Result<ConeSet, So
 
 /// As many cones by the greedy strategy of older work.
 pub fn greedy(surface: &Surface, count: usize) -> Result<ConeSet, SolveError> {
-    let (mesh, geometry) = surface.solving();
+    let (mesh, geometry) = surface.given_or_mended();
     let found = greedy_cones(mesh, geometry, count)?;
     let used = |&cone: &Cone| UsedCone { cone, kind: ConeKind::Optimal, members: 1 };
     let last = found.history.last();

@@ -162,7 +162,7 @@ impl Cones {
                 && ConeParams { lambda: params.lambda, ..solver.params } == params
         });
         if !is_same {
-            let (mesh, geometry) = surface.solving();
+            let (mesh, geometry) = surface.given_or_mended();
             let flow = ConeFlow::new(mesh, geometry, &params, &fields).map_err(wrong)?;
             self.path.clear();
             self.tracing = None;

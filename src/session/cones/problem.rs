@@ -51,7 +51,13 @@ pub fn params(settings: &Settings) -> ConeParams {
 /// What the solver has to reach.
 pub fn target(settings: &Settings) -> ConeTarget {
     match settings.text("choose_by") {
-        "count" => ConeTarget::Count(settings.number("cone_count") as usize),
+        "count" => {
+            let most = settings.number("cone_count") as usize;
+            match settings.is_on("round") {
+                true => ConeTarget::Merged(most),
+                false => ConeTarget::Count(most),
+            }
+        }
         "angle" => ConeTarget::TotalAngle(settings.number("angle_target") * PI),
         "distortion" => ConeTarget::Distortion(settings.number("distortion_target")),
         _ => ConeTarget::Lambda(settings.number("lambda")),
@@ -70,7 +76,7 @@ pub fn fields(
     let (mut distortion_weight, mut cone_cost) = (Vec::new(), Vec::new());
     let strength = settings.number("feature_weight");
     if strength > 0.0 {
-        let (mesh, geometry) = surface.solving();
+        let (mesh, geometry) = surface.given_or_mended();
         (distortion_weight, cone_cost) = feature_size_weights(mesh, geometry, strength);
     }
     if !(layers.importance.is_empty() && layers.unimportant.is_empty()) {

@@ -49,6 +49,8 @@ pub struct ConesReport {
     pub solves: usize,
     /// Length of the seams that join the cones.
     pub cut_length: f64,
+    /// Whether the charts have exactly the angles of the cones.
+    pub angles_exact: bool,
     /// Its charts.
     pub flattening: FlattenReport,
     /// The optimum over λ, where it was asked for.
@@ -137,6 +139,7 @@ impl Work {
             factorisations,
             solves,
             cut_length: layout.cut_length(),
+            angles_exact: layout.flattening.angles_exact,
             flattening: FlattenReport::new(layout, None),
             path: self.cones.path_points(),
             comparison: self.cones.comparison.clone(),

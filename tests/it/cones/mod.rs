@@ -176,12 +176,15 @@ fn disk(rings: i32, lift: impl Fn(f64, f64) -> [f64; 3]) -> (Vec<[f64; 3]>, Vec<
         }
     }
     let mut triangles = Vec::new();
-    for &(q, r) in numbers.keys() {
-        let at = |q, r| numbers.get(&(q, r)).copied();
-        for corners in [[(q, r), (q + 1, r), (q, r + 1)], [(q + 1, r), (q + 1, r + 1), (q, r + 1)]]
-        {
-            if let [Some(a), Some(b), Some(c)] = corners.map(|(q, r)| at(q, r)) {
-                triangles.push([a, b, c]);
+    for q in -rings - 1..=rings {
+        for r in -rings - 1..=rings {
+            let at = |q, r| numbers.get(&(q, r)).copied();
+            for corners in
+                [[(q, r), (q + 1, r), (q, r + 1)], [(q + 1, r), (q + 1, r + 1), (q, r + 1)]]
+            {
+                if let [Some(a), Some(b), Some(c)] = corners.map(|(q, r)| at(q, r)) {
+                    triangles.push([a, b, c]);
+                }
             }
         }
     }
