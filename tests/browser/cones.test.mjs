@@ -111,12 +111,12 @@ for (const renderer of RENDERERS) {
       await browser.page.mouse.down();
       for (let i = 1; i <= 30; i += 1) await browser.page.mouse.move(place(at * (1 - 0.5 * (i / 30))), y);
       await browser.page.mouse.up();
-      const count = await page.until("more cones at a lower price", restRaw, (count) => count > before);
+      const count = await page.until("other cones at a lower price", restRaw, (count) => count !== before);
       const asked = await sent("set_parameter");
       assert.ok(asked.length >= 2 && asked.every(({ id }) => id === "lambda"), JSON.stringify(asked));
       assert.equal(await browser.page.evaluate(() => window.mostOpen), 1, "a question waits for the answer before it");
       await page.press("Undo");
-      await page.until("fewer cones again", restRaw, (now) => now < count);
+      await page.until("the cones from before", restRaw, (now) => now === before && now !== count);
     });
 
     it("traces the path, and shows it above the slider and as a curve", async () => {

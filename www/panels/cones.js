@@ -67,6 +67,7 @@ export function conesPanel(host, on) {
     const pick = h("button", {
       class: "pickcone",
       type: "button",
+      title: "Enter types its angle, M moves it to the middle of the surface view, Del removes it",
       tabindex: "-1",
       onclick: () => on.select(mine().cone),
       onfocus: () => on.select(mine().cone),

@@ -75,7 +75,7 @@ export function pathPanel(on) {
     let [left, height] = [width, top];
     for (const point of points) {
       const [x, y] = at(point);
-      // Between two samples nothing is known: the step is drawn where the larger number was seen.
+      // Between two samples nothing is known: the step is drawn where the lower price was seen.
       path += `H${x}`;
       if (y !== height) path += `V${y}`;
       [left, height] = [x, y];
