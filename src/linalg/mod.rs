@@ -8,6 +8,11 @@
 //! Not guaranteed: accuracy on ill-conditioned systems; callers who need a certificate check the residual with
 //! [`Pattern::multiply`].
 //!
+//! Only the direct way is here, because it won wherever it was measured. On a sphere cut along a wavy curve that moves by a third of
+//! an edge, one factorisation and one solve took 13, 77, 351 and 529 ms at 10 k, 41 k, 164 k and 202 k vertices; conjugate gradients from the
+//! solution before, preconditioned by an incomplete Cholesky factor of the same pattern, took 26, 202, 1750 and 2410 ms to a
+//! residual of 1e-10 (83 to 346 iterations), and 18, 130, 1110 and 1540 ms to 1e-6. A step has up to five solves with one factor.
+//!
 //! This is the only module that names a linear-algebra crate (faer).
 
 #![expect(

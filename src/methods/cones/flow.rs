@@ -247,8 +247,8 @@ impl ConeFlow {
         match target {
             ConeTarget::Lambda(lambda) => return self.set_lambda(lambda),
             ConeTarget::Count(_) | ConeTarget::Merged(_) => {}
-            ConeTarget::TotalAngle(value) if value >= 0.0 && value < f64::INFINITY => {}
-            ConeTarget::Distortion(value) if value >= 0.0 && value < f64::INFINITY => {}
+            ConeTarget::TotalAngle(value) if (0.0..f64::INFINITY).contains(&value) => {}
+            ConeTarget::Distortion(value) if (0.0..f64::INFINITY).contains(&value) => {}
             ConeTarget::TotalAngle(value) => {
                 return Err(out_of_range("total cone angle", value));
             }

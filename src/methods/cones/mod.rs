@@ -16,6 +16,11 @@
 //! **From** Soliman, Slepčev, Crane: *Optimal Cone Singularities for Conformal Flattening*, 2018. **Differs**: the energy is halved
 //! everywhere; signs are those of a positive semi-definite L; λ is the paper's over about 100.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "unknowns are vertices, which are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 mod aim;
 mod certificate;
 mod coarse;

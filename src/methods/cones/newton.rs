@@ -108,7 +108,7 @@ impl Descent {
         self.phi.iter_mut().zip(&direction).for_each(|(p, d)| *p += fraction * d);
         let guess = regular.active_set(problem, &self.phi);
         // A whole step that leaves every piece as it was has found the minimum of J.
-        let is_over = fraction == 1.0
+        let is_over = fraction >= 1.0
             && (0..n)
                 .all(|i| regular.slope(problem, i, self.phi[i]).to_bits() == slopes[i].to_bits());
         self.tries += 1;

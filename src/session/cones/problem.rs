@@ -44,7 +44,6 @@ pub fn params(settings: &Settings) -> ConeParams {
             _ => ConeMethod::Auto,
         },
         multiresolution: settings.is_on("multiresolution"),
-        ..ConeParams::default()
     }
 }
 
