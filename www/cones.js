@@ -111,7 +111,10 @@ export function coneMethod(on) {
 
   function figures(event) {
     const time = spent > 0 ? [`${spent < 10 ? fixed(spent, 1) : fixed(spent, 0)}\u202fms`] : [];
-    const share = event.lambda_max > 0 ? `λ ${dial(event.lambda)}, ${fixed((100 * event.lambda) / event.lambda_max, 1)}\u202f% of λ_max` : `λ ${dial(event.lambda)}`;
+    const part = event.lambda / event.lambda_max;
+    // From λ_max on a higher price changes nothing.
+    const place = part > 1 ? `above λ_max ${dial(event.lambda_max)}` : `${fixed(100 * part, 1)}\u202f% of λ_max`;
+    const share = event.lambda_max > 0 ? `λ ${dial(event.lambda)}, ${place}` : `λ ${dial(event.lambda)}`;
     const certificate = event.is_edited ? ["edited by hand"] : [`residual ${short(event.kkt_residual)}`, `gap ${short(event.gap)}`];
     return [...time, share, ...certificate].join(", ");
   }
@@ -216,7 +219,8 @@ export function coneMethod(on) {
       if (!last) return [];
       const { lambda, lambda_max: most, raw_count: raw, cones, total_angle: total } = last;
       return [
-        ["Price λ", `${dial(lambda)} of at most ${dial(most)}`],
+        ["Price λ", dial(lambda)],
+        ["λ_max", dial(most)],
         ["Vertices that are cones", String(raw)],
         ["Cones shown", String(cones.length)],
         ["Total angle Σ|μ|", pi(total)],

@@ -896,7 +896,7 @@ mod tests {
         let labels = stage.cone_labels(View::Surface);
         assert_eq!(labels.len(), 1, "the cone behind has no label: {labels:?}");
         assert_eq!(stage.bytes(Part::Cones).len(), 28, "and no glyph");
-        assert!(labels[0][0] == 0.0 && Vec2::new(labels[0][1], labels[0][2]).distance(near) < 1e-3);
+        assert!(labels[0][0] < 0.5 && Vec2::new(labels[0][1], labels[0][2]).distance(near) < 1e-3);
     }
 
     #[test]
@@ -909,7 +909,7 @@ mod tests {
         assert_ne!(stage.stamp_of(Part::Cones), stamp);
         let back = stage.bytes(Part::Cones);
         assert!(back.len() == 28 && back != front, "the other cone alone");
-        assert_eq!(stage.cone_labels(View::Surface)[0][0], 1.0);
+        assert!(stage.cone_labels(View::Surface)[0][0] > 0.5, "its label is that of cone 1");
     }
 
     #[test]

@@ -111,7 +111,7 @@ for (const renderer of RENDERERS) {
       const count = await rest();
       assert.ok(count >= 2, `${count} cones`);
       assert.match(await path().getAttribute("aria-label"), /\d+ cones? at λ/);
-      assert.match(await browser.page.locator("#note").textContent(), /λ_max, residual .*, gap /);
+      assert.match(await browser.page.locator("#note").textContent(), /λ_max.*, residual .*, gap /);
       assert.ok((await page.measure("Pieces")) >= 1);
       await screenshot(browser.page, `cones-${renderer.name}`);
       pictures[renderer.name] = await picture();
