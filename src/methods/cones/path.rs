@@ -27,6 +27,8 @@ pub struct ConePath {
     lambdas: Vec<f64>,
     points: Vec<PathPoint>,
     home: Option<ConeCheckpoint>,
+    /// Whether λ_max is known and the samples chosen.
+    is_ranged: bool,
     is_complete: bool,
 }
 
@@ -48,6 +50,7 @@ impl ConePath {
             lambdas: Vec::new(),
             points: Vec::new(),
             home: None,
+            is_ranged: false,
             is_complete: false,
         })
     }
@@ -80,7 +83,8 @@ impl ConePath {
         if flow.step()?.status == Status::Running {
             return Ok(false);
         }
-        if self.lambdas.is_empty() {
+        if !self.is_ranged {
+            self.is_ranged = true;
             // On a closed surface λ_max is known only now.
             let most = flow.lambda_max();
             let share = |k: usize| k as f64 / (self.samples - 1) as f64;
