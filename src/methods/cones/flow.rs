@@ -24,6 +24,9 @@ const TOLERANCE: f64 = 1e-10;
 /// Residual above which a finished optimum is polished further, as long as that helps.
 const POLISHED: f64 = 1e-10;
 
+/// Rounding of φ, as a fraction of its size, which is that of λ_max.
+const ROUNDING: f64 = 1e-14;
+
 /// Residual of an optimum. Rounding leaves 1e-13 to 1e-10; a wrong vertex in the support leaves 1e-5.
 const GOOD: f64 = 1e-8;
 
@@ -37,13 +40,13 @@ const NEAR: f64 = 1.5;
 /// Green's functions computed in one step: what keeps a step short.
 const MOST_COLUMNS: usize = 64;
 
-/// Green's functions that are remembered beyond those in use: k² / 2 numbers, 64 MB.
-const MOST_REMEMBERED: usize = 4096;
+/// Green's functions that are remembered beyond those in use: k² numbers, 32 MB.
+const MOST_REMEMBERED: usize = 2048;
 
 /// Optimal cones, one bounded step at a time.
 ///
 /// **Minimises** ½ ∫ w_E u² + λ Σ w_R |μ|, exactly. **Step** one round of the active set (a few Green's functions, a small dense
-/// problem, one solve for φ) or one Newton step (one factorisation). Every state in the range of Green's functions is feasible, and
+/// problem, one solve for φ) or one Newton step (one factorisation, the first also an analysis). Every state in the range of Green's functions is feasible, and
 /// the objective falls from step to step; Newton's steps may rise. **Ends** `Converged` at the certified optimum; `Infeasible` when [`ConeFlow::aim`]
 /// cannot be met (the state is then the nearest); `Stalled` where rounding ends progress before the certificate is good.
 pub struct ConeFlow {
@@ -390,8 +393,14 @@ impl ConeFlow {
         };
     }
 
+    /// Excess that is rounding.
     fn tolerance(&self) -> f64 {
-        TOLERANCE * self.problem.params.lambda
+        TOLERANCE * self.problem.params.lambda + ROUNDING * self.lambda_max()
+    }
+
+    /// Residual that an optimum may have: with a price far below λ_max, rounding of φ is no longer small against it.
+    fn good(&self) -> f64 {
+        GOOD.max(100.0 * self.tolerance() / self.problem.params.lambda)
     }
 
     /// One round over Green's functions.
@@ -490,14 +499,13 @@ impl ConeFlow {
     }
 
     fn newton_round(&mut self) -> Result<(), SolveError> {
-        let Some(two_ring) = &mut self.two_ring else {
-            // The analysis is a step of its own.
+        if self.two_ring.is_none() {
             self.two_ring = Some(match self.problem.system.two_ring() {
                 Some(own) => own.sibling(),
                 None => TwoRing::new(&self.problem.system)?,
             });
-            return Ok(());
-        };
+        }
+        let Some(two_ring) = &mut self.two_ring else { return Ok(()) };
         let progress = &mut self.progress;
         if progress.descent.is_none() {
             let phi = greens::shifted(&self.problem, &progress.set, &self.response);
@@ -526,7 +534,7 @@ impl ConeFlow {
                 self.accept(set, response, certificate);
                 self.progress.is_refined = true;
                 self.progress.is_settled = true;
-                if certificate.residual() < GOOD {
+                if certificate.residual() < self.good() {
                     self.progress.status = Status::Converged;
                 } else {
                     self.progress.is_lost = true;
@@ -560,8 +568,11 @@ impl ConeFlow {
             self.progress.is_settled = false;
             return Ok(());
         }
-        self.progress.status =
-            if self.certificate.residual() < GOOD { Status::Converged } else { Status::Stalled };
+        self.progress.status = if self.certificate.residual() < self.good() {
+            Status::Converged
+        } else {
+            Status::Stalled
+        };
         Ok(())
     }
 
@@ -582,12 +593,12 @@ impl ConeFlow {
         }
         let most = self.lambda_max().max(f64::MIN_POSITIVE);
         if let Some(mut search) = self.progress.search.take() {
-            // Above λ_max nothing changes; far below, every vertex is a cone.
+            // Above λ_max nothing changes; below a thousandth of it every vertex is about to become a cone.
             let cones = match search.is_merged() {
                 true => self.merged_count(),
                 false => self.state.cones.len(),
             };
-            let next = search.next(&self.state, cones, [1e-6 * most, most]);
+            let next = search.next(&self.state, cones, [1e-3 * most, most]);
             match next {
                 Some(lambda) => {
                     self.progress.search = Some(search);
