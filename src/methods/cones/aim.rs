@@ -90,7 +90,8 @@ impl Search {
                     self.is_last = true;
                     return (lambda.to_bits() != high.to_bits()).then_some(high);
                 }
-                let share = if is_count || self.trials % 3 == 0 { 0.5 } else { a / (a - b) };
+                let share =
+                    if is_count || self.trials.is_multiple_of(3) { 0.5 } else { a / (a - b) };
                 low * ratio.powf(share.clamp(0.02, 0.98))
             }
             (None, None) => return None,
