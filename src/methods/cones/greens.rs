@@ -6,6 +6,11 @@
 //! towards the optimum of the free ones, until the first would change its sign or pass its bound, which stops being free. The
 //! objective falls with every such move, so it ends.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use super::problem::{ActiveSet, Problem};
 use super::system::{NONE, Response};
 use crate::linalg::DenseCholesky;

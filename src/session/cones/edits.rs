@@ -96,7 +96,8 @@ pub fn cone_problem(surface: &Surface, error: &SolveError) -> Problem {
                     "Widen the bounds, or choose another angle.",
                 ),
                 ConeConflict::Boundary => (
-                    "A cone cannot lie on this boundary: its curvature follows from its lengths.".into(),
+                    "A cone cannot lie on this boundary: its curvature follows from its lengths."
+                        .into(),
                     "Choose a place inside, or a polygonal boundary, which has corners.",
                 ),
             };

@@ -1,10 +1,10 @@
 //! Cones by hand: added, moved, turned, removed. A change is tried before it is made.
 
-use super::super::{Session, nothing_open};
 use super::super::message::Event;
 use super::super::paint::Dab;
 use super::super::text::Problem;
 use super::super::work::Work;
+use super::super::{Session, nothing_open};
 use super::edits::{Edits, Placed, cone_problem, edit_problem, no_such_cone};
 use super::{ConeKind, UsedCone, measures, problem};
 use crate::mesh::VertexId;

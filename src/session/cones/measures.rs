@@ -33,7 +33,8 @@ pub fn of_optimum(
     }
     let (optimum, corners, best_u) = (state.cones.clone(), state.corners.clone(), state.u.clone());
     let (best_int_u2, best_angle) = (state.int_u2, state.total_angle);
-    let alone = |cone: &Cone| UsedCone { cone: *cone, kind: edits.kind(cone.vertex, 1), members: 1 };
+    let alone =
+        |cone: &Cone| UsedCone { cone: *cone, kind: edits.kind(cone.vertex, 1), members: 1 };
     let mut used: Vec<UsedCone> = optimum.iter().map(alone).collect();
     if settings.is_on("round") && (is_over || used.len() <= QUICK) {
         // Cones that were placed by hand stay where they are.

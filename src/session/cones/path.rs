@@ -72,9 +72,6 @@ impl Cones {
 
     /// The same for the page.
     pub fn path_event(&self) -> Event {
-        Event::ConePath {
-            points: self.path_points(),
-            is_complete: self.is_path_whole,
-        }
+        Event::ConePath { points: self.path_points(), is_complete: self.is_path_whole }
     }
 }
