@@ -515,7 +515,7 @@ impl Session {
         let mut work = Work::new(Rc::new(document), settings, flow);
         work.first_cut_is_due = is_large && is_cut_flow;
         work.method = self.method();
-        work.cones.is_due = work.method == Method::Cones && work.document.surface.is_some();
+        work.cones.is_stale = true;
         self.install(work, events);
     }
 
@@ -648,7 +648,7 @@ impl Session {
             }
             (Effect::Export, None) => events.push(work.measures()),
             (Effect::Cones, None) => self.cones_are_due(),
-            (Effect::ConeSet, None) => self.use_cones_anew(events)?,
+            (Effect::ConeSet, None) => self.use_cones_anew(),
         }
         events.push(self.parameters());
         events.push(self.presets());
@@ -684,7 +684,7 @@ impl Session {
             self.scene_is_new = true;
             return;
         }
-        if work.method == Method::Cones && (work.cones.is_due || !work.cones.is_solved()) {
+        if work.method == Method::Cones && (work.cones.is_due() || !work.cones.is_solved()) {
             events.push(work.measures());
             self.scene_is_new = true;
             return;
@@ -768,8 +768,9 @@ impl Session {
         match method {
             Method::Cones => {
                 work.first_cut_is_due = false;
-                let is_missing = !work.cones.is_solved() && work.document.surface.is_some();
-                work.cones.is_due |= is_missing;
+                // Parameters and paint may have changed meanwhile: a look at them, and at the seams.
+                work.cones.ask_again();
+                work.is_settled = false;
             }
             Method::CutFlow => {
                 work.first_cut_is_due = work.flow.is_none() && work.document.surface.is_some();

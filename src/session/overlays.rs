@@ -5,7 +5,6 @@ use super::method::Method;
 use super::text::Problem;
 use super::work::Work;
 use crate::methods::cutflow::Stages;
-use crate::methods::flow::Flow;
 
 /// Rings of vertices beside the cut on which values of the cut are painted.
 const RINGS: usize = 3;
@@ -30,7 +29,7 @@ impl Work {
             "u" if self.method == Method::Cones => {
                 return Ok(self.cones.set.as_ref().map(|set| set.u.clone()));
             }
-            "phi" => return Ok(self.cones.flow().map(|flow| flow.state().phi.clone())),
+            "phi" => return Ok(self.cones.optimum.as_ref().map(|state| state.phi.clone())),
             "regions" => {
                 // A stroke goes on from the cut that is there, unless regions were painted before.
                 let is_painted =

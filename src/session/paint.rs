@@ -252,7 +252,11 @@ impl Session {
             layers.cone_cost = Rc::new(with_paint(&layers.cone_cost, seen.clone()));
         }
         layers.penalty = Rc::new(with_paint(&layers.penalty, seen));
-        self.remember("hide from the camera", "hide");
+        let label = match work.method {
+            Method::CutFlow => "hide seams from the camera",
+            Method::Cones => "hide cones and seams from the camera",
+        };
+        self.remember(label, "hide");
         self.put_layers("penalty", layers, Pending::Fields, events);
         Ok(())
     }

@@ -175,6 +175,7 @@ impl Settings {
             "seed" if self.text("init") == "random" => Effect::Restart,
             "coarse" => Effect::Restart,
             "straighten" | "snap" => Effect::Finish,
+            "round" if self.text("choose_by") == "count" => Effect::Cones,
             "round" | "debias" | "seam_hiding" => Effect::ConeSet,
             id if cones::specs().iter().any(|spec| spec.id == id) => Effect::Cones,
             _ => Effect::NextStep,

@@ -5,7 +5,6 @@ use std::rc::Rc;
 use super::Session;
 use super::document::Document;
 use super::message::Event;
-use super::method::Method;
 use super::text::Problem;
 use super::work::{Snapshot, Work, start_flow};
 
@@ -67,7 +66,7 @@ impl Session {
         let mut work = Work::new(target.document, target.settings, flow);
         work.method = target.method;
         work.cones.edits = target.edits;
-        work.cones.is_due = target.method == Method::Cones;
+        work.cones.is_stale = true;
         work.layers = target.layers;
         work.pending = target.pending;
         work.symmetries = target.symmetries;

@@ -329,7 +329,7 @@ impl Work {
             row("overlaps", "Overlaps", "", layout.overlaps() as f64),
         ];
         if let Some(set) = self.cones.set.as_ref().filter(|_| self.method == Method::Cones) {
-            rows.push(row("cones", "Cones", "", set.cones.len() as f64));
+            rows.push(row("cones", "Cones", "", set.count() as f64));
             rows.push(row("total_angle", "Total angle Φ", "π", set.total_angle / PI));
             rows.push(row("int_u2", "Distortion ∫u²", "", set.int_u2));
         }

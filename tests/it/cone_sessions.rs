@@ -186,7 +186,7 @@ fn cones_are_added_moved_and_removed() {
 
 #[test]
 fn the_path_over_lambda_falls_in_angle_and_rises_in_distortion() {
-    let (mut session, _) = solved("rounded_box");
+    let (mut session, _) = solved("torus");
     let mut events = session.handle(Command::TracePath);
     events.extend(run(&mut session));
     assert!(errors(&events).is_empty(), "{:?}", errors(&events));
@@ -209,7 +209,8 @@ fn the_path_over_lambda_falls_in_angle_and_rises_in_distortion() {
 #[test]
 fn the_greedy_baseline_is_worse_at_more_angle_or_more_distortion() {
     let (mut session, _) = solved("plush_bear");
-    let events = session.handle(Command::CompareCones);
+    let mut events = session.handle(Command::CompareCones);
+    events.extend(run(&mut session));
     let rows = events
         .iter()
         .find_map(|event| match event {
@@ -269,6 +270,76 @@ fn surfaces_that_are_flat_convex_or_open_say_what_it_means_for_cones() {
     assert!(table.cones.is_empty() && table.note.is_some(), "the tube");
     let (_, events) = solved("car_hood");
     assert!(errors(&events).is_empty());
+}
+
+#[test]
+fn going_back_while_a_path_is_traced_leaves_the_price_that_was_asked_for() {
+    let (mut session, events) = solved("plush_bear");
+    let before = cones(&events);
+    set(&mut session, "lambda", Value::Number(0.006));
+    run(&mut session);
+    session.handle(Command::TracePath);
+    // A few samples only.
+    for _ in 0..6 {
+        session.advance(&mut || false);
+    }
+    let mut events = session.handle(Command::Undo);
+    events.extend(run(&mut session));
+    let after = cones(&events);
+    assert_eq!((after.lambda, after.raw_count), (before.lambda, before.raw_count));
+    assert_eq!(after.cones.len(), before.cones.len());
+}
+
+#[test]
+fn what_cannot_be_placed_is_refused_and_leaves_everything_as_it_was() {
+    let mut session = Session::new();
+    session.handle(Command::SetMethod { id: "cones".into() });
+    let mut events = session.open("tube.obj", tube().as_bytes());
+    events.extend(run(&mut session));
+    // On the boundary, whose lengths are given; twice at a vertex; more than a full turn.
+    for (vertex, angle) in [(0.0, None), (30.0, Some(20.0)), (1e9, None), (30.5, None)] {
+        let events = session.bring(Brought::Cone { vertex, angle });
+        assert_eq!(errors(&events).len(), 1, "{vertex}");
+        assert!(!session.is_running());
+    }
+    let mut events = session.bring(Brought::Cone { vertex: 30.0, angle: Some(1.0) });
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert_eq!(cones(&events).cones.len(), 1);
+    assert_eq!(errors(&session.bring(Brought::Cone { vertex: 30.0, angle: None })).len(), 1);
+    // Cones of one method are not changed while another one is at work.
+    session.handle(Command::SetMethod { id: "cutflow".into() });
+    run(&mut session);
+    assert_eq!(errors(&session.handle(Command::RemoveCone { cone: 0 })).len(), 1);
+    assert!(!session.is_running());
+}
+
+#[test]
+fn corners_of_a_polygonal_boundary_are_cones_that_can_be_turned() {
+    let (mut session, _) = solved("car_hood");
+    set(&mut session, "lambda", Value::Number(0.0001));
+    let mut events = set(&mut session, "boundary", Value::Text("polygonal".into()));
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    let table = cones(&events);
+    let corner = table.cones.iter().find(|cone| cone.kind == "corner").unwrap();
+    let wanted = 0.9 * corner.angle;
+    let mut events =
+        session.handle(Command::SetConeAngle { cone: corner.cone, angle: Some(wanted) });
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    let after = cones(&events);
+    assert!((after.cones[corner.cone].angle - wanted).abs() < 1e-12);
+    // A disk: 2π in all, corners included.
+    assert!((total(&after) - 2.0 * PI).abs() < 1e-9, "{}", total(&after));
+    // The same from a file.
+    let bytes = session.export("Cones (JSON)").unwrap().bytes;
+    let mut other = Session::new();
+    other.handle(Command::OpenSample { name: "car_hood".into() });
+    let mut events = other.open("cones.json", &bytes);
+    events.extend(run(&mut other));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert!((cones(&events).int_u2 - after.int_u2).abs() < 1e-9 * after.int_u2.max(1e-6));
 }
 
 /// A tube without ends, which is flat.

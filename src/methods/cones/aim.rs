@@ -75,7 +75,8 @@ impl Search {
         let next = match (self.below, self.above) {
             (Some((low, _)), None) => {
                 if low >= range[1] {
-                    self.is_reached = false;
+                    // Less distortion than asked for, at the highest price that matters: that is what was asked for.
+                    self.is_reached = matches!(self.target, ConeTarget::Distortion(_));
                     return None;
                 }
                 (2.0 * low).min(range[1])

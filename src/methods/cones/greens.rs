@@ -6,7 +6,12 @@
 //! towards the optimum of the free ones, until the first would change its sign or pass its bound, which stops being free. The
 //! objective falls with every such move, so it ends.
 
-use super::problem::{ActiveSet, Problem, Stance};
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
+use super::problem::{ActiveSet, Problem};
 use super::system::{NONE, Response};
 use crate::linalg::DenseCholesky;
 
@@ -17,7 +22,7 @@ pub(super) struct Dictionary {
     members: Vec<u32>,
     /// Place of every dof among the members.
     places: Vec<u32>,
-    /// Row `a` has the entries with members 0..=a.
+    /// Row `a` has the entries with all members.
     gram: Vec<Vec<f64>>,
     /// Where the batches begin that the columns were computed in.
     batches: Vec<usize>,
@@ -36,7 +41,7 @@ impl Dictionary {
     }
 
     fn entry(&self, a: usize, b: usize) -> f64 {
-        if a >= b { self.gram[a][b] } else { self.gram[b][a] }
+        self.gram[a][b]
     }
 
     fn place(&self, i: u32) -> usize {
@@ -61,10 +66,11 @@ impl Dictionary {
         for &i in dofs.iter().filter(|&&i| self.places[i as usize] != NONE) {
             kept.places[i as usize] = u32::try_from(kept.members.len()).unwrap_or(NONE);
             kept.members.push(i);
-            let row = kept.members.iter().map(|&j| self.entry(self.place(i), self.place(j)));
-            let row = row.collect();
-            kept.gram.push(row);
         }
+        let row = |i: u32| -> Vec<f64> {
+            kept.members.iter().map(|&j| self.entry(self.place(i), self.place(j))).collect()
+        };
+        kept.gram = kept.members.iter().map(|&i| row(i)).collect();
         kept.batches = (0..kept.members.len()).step_by(BATCH).collect();
         *self = kept;
     }
@@ -75,7 +81,11 @@ impl Dictionary {
         for (&i, column) in batch.iter().zip(columns.chunks_exact(problem.system.len())) {
             self.places[i as usize] = u32::try_from(self.members.len()).unwrap_or(NONE);
             self.members.push(i);
-            self.gram.push(self.members.iter().map(|&j| column[j as usize]).collect());
+            let row: Vec<f64> = self.members.iter().map(|&j| column[j as usize]).collect();
+            for (other, value) in self.gram.iter_mut().zip(&row) {
+                other.push(*value);
+            }
+            self.gram.push(row);
         }
     }
 
@@ -95,6 +105,7 @@ impl Dictionary {
         }
         self.members.truncate(kept);
         self.gram.truncate(kept);
+        self.gram.iter_mut().for_each(|row| row.truncate(kept));
         self.batches.truncate(common);
         for batch in &history[common..] {
             self.add_batch(problem, batch);
@@ -110,8 +121,19 @@ struct Dense<'a> {
     /// Multiple of 1 1ᵀ that is added on every floating component, where only changes of sum 0 are made: the matrix is then
     /// positive definite without any doubt, and the solution the same.
     added: Vec<f64>,
+    /// φ at the members when it was last computed in full.
+    base: Vec<f64>,
+    /// φ at the members; between full steps at the free ones only.
     phi: Vec<f64>,
+    /// What angles and constants have changed by since `base`.
+    changes: Vec<f64>,
+    constants: Vec<f64>,
+    /// How often each member was let free.
+    entries: Vec<u8>,
 }
+
+/// How often an angle may be let free in one round: more is rounding going in circles.
+const MOST_ENTRIES: u8 = 4;
 
 /// What became of a round of the dense problem.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,16 +203,30 @@ impl Dense<'_> {
         for (k, &i) in set.order.iter().enumerate() {
             set.angles[i as usize] += fraction * change[k];
         }
-        for (a, phi) in self.phi.iter_mut().enumerate() {
-            let c = self.problem.system.component_of[self.dictionary.members[a] as usize];
-            let sum: f64 = set
-                .order
-                .iter()
-                .zip(change)
-                .map(|(&i, d)| self.dictionary.entry(a, self.dictionary.place(i)) * d)
-                .sum();
-            *phi -= fraction * (sum + constants[c as usize]);
+        for (k, &i) in set.order.iter().enumerate() {
+            let place = self.dictionary.place(i);
+            self.changes[place] += fraction * change[k];
+            let off = self.phi[place] - self.problem.target(set, i as usize);
+            self.phi[place] -= fraction * off;
         }
+        for (sum, c) in self.constants.iter_mut().zip(constants) {
+            *sum += fraction * c;
+        }
+    }
+
+    /// Computes φ at all members from what has changed.
+    fn refresh(&mut self) {
+        let moved: Vec<usize> =
+            (0..self.changes.len()).filter(|&a| self.changes[a] != 0.0).collect();
+        for a in 0..self.base.len() {
+            let c = self.problem.system.component_of[self.dictionary.members[a] as usize];
+            let sum: f64 =
+                moved.iter().map(|&b| self.dictionary.entry(a, b) * self.changes[b]).sum();
+            self.base[a] -= sum + self.constants[c as usize];
+        }
+        self.phi.copy_from_slice(&self.base);
+        self.changes.fill(0.0);
+        self.constants.fill(0.0);
     }
 
     /// Moves until nothing is left to move.
@@ -220,24 +256,20 @@ impl Dense<'_> {
                 let i = set.order.remove(k) as usize;
                 dense.factor.remove(k);
                 set.angles[i] = bound;
-                set.stances[i] = if bound == 0.0 {
-                    Stance::Zero
-                } else if bound > 0.0 {
-                    Stance::High
-                } else {
-                    Stance::Low
-                };
+                set.stances[i] = problem.stance_at(i, bound);
                 continue;
             }
+            dense.refresh();
             let mut worst = (tolerance, None);
             for (a, &i) in dictionary.members.iter().enumerate() {
                 let (excess, sign) = problem.excess(set, i as usize, dense.phi[a]);
-                if excess > worst.0 {
+                if excess > worst.0 && dense.entries[a] < MOST_ENTRIES {
                     worst = (excess, Some((i, sign)));
                 }
             }
             let Some((i, sign)) = worst.1 else { return Settled { moved, is_done: true } };
             set.release(i, sign);
+            dense.entries[dictionary.place(i)] += 1;
             let row = dense.row(&set.order, i);
             if !dense.factor.push(&row) {
                 set.order.pop();
@@ -259,12 +291,17 @@ pub(super) fn settle(
     phi: &[f64],
     tolerance: f64,
 ) -> Settled {
+    let base: Vec<f64> = dictionary.members.iter().map(|&i| phi[i as usize]).collect();
     let mut dense = Dense {
         problem,
         dictionary,
         factor: DenseCholesky::new(),
         added: vec![0.0; problem.system.components.len()],
-        phi: dictionary.members.iter().map(|&i| phi[i as usize]).collect(),
+        phi: base.clone(),
+        changes: vec![0.0; base.len()],
+        constants: vec![0.0; problem.system.components.len()],
+        entries: vec![0; base.len()],
+        base,
     };
     // Angles that rounding cannot tell from the others stay as they are.
     let mut parked = Vec::new();

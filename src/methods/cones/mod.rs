@@ -5,9 +5,9 @@
 //!
 //! minimise ½ uᵀM u + λ Σ w_i |μ_i| subject to L u = μ − Ω, low ≤ μ ≤ high,
 //!
-//! a convex problem whose solution is sparse. [`ConeFlow`] finds it in two ways: [`greens`], an active set over Green's functions,
-//! for few cones, and [`newton`], a semismooth Newton method on the two-ring system, for many; both end in the exact discrete optimum
-//! and certify it by the gap to the dual objective ([`certificate`]). λ and ∫u² have the unit of an area.
+//! a convex problem whose solution is sparse. [`ConeFlow`] finds it in two ways: `greens`, an active set over Green's functions,
+//! for few cones, and `newton`, a semismooth Newton method on the two-ring system, for many; both end in the exact discrete optimum
+//! and certify it by the gap to the dual objective (`certificate`). λ and ∫u² have the unit of an area.
 //!
 //! Guaranteed: surfaces of any genus, with or without boundary, of several components, each closed component with the total angle 2πχ
 //! that Gauss–Bonnet asks for; no regularisation is left in the result; the same input gives the same bits. Not guaranteed: that cones
@@ -15,11 +15,6 @@
 //!
 //! **From** Soliman, Slepčev, Crane: *Optimal Cone Singularities for Conformal Flattening*, 2018. **Differs**: the energy is halved
 //! everywhere; signs are those of a positive semi-definite L; λ is the paper's over about 100.
-
-#![expect(
-    clippy::cast_possible_truncation,
-    reason = "unknowns are vertices, which are numbered in 32 bits: `Mesh::new` refuses larger meshes"
-)]
 
 mod aim;
 mod certificate;
@@ -36,6 +31,7 @@ mod params;
 mod path;
 mod problem;
 mod rounding;
+mod rounds;
 mod system;
 mod two_ring;
 mod weights;

@@ -9,6 +9,11 @@
 //! one factorisation without these rows, and the active set is corrected by signs until it stands. One analysis of B's pattern serves all
 //! factorisations.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use super::greens::entering;
 use super::problem::{ActiveSet, Problem, Stance};
 use super::two_ring::TwoRing;
@@ -333,7 +338,7 @@ impl Regularised {
                 m.max(phi[i].abs() + problem.price(i))
             });
             let (mut low, mut high) = (-2.0 * reach, 2.0 * reach);
-            if miss(0.0) == 0.0 {
+            if miss(0.0).abs() <= 0.0 {
                 continue;
             }
             for _ in 0..60 {

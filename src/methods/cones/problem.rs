@@ -3,6 +3,11 @@
 //! ½ uᵀM u + Σ t_i |μ_i|, t = λ w, low ≤ μ ≤ high. At the optimum φ_i = t_i sgn μ_i where 0 ≠ μ_i lies within its bounds, |φ_i| ≤ t_i
 //! where μ_i = 0 (only on the side to which μ_i may move), φ_i ≥ t_i where μ_i = high_i, φ_i ≤ −t_i where μ_i = low_i.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
 use super::certificate::{Certificate, certify};
 use super::error::{ConeConflict, ConeError};
 use super::params::{ConeBoundary, ConeFields, ConeParams, FREE_BOUND};

@@ -47,6 +47,14 @@ pub struct Rounded {
     pub clusters: Vec<Vec<VertexId>>,
 }
 
+/// Larger clusters stay as they are: on parts that are convex everywhere all vertices are one, and no few cones stand for them. Their
+/// table of distances would take more than 8 MB.
+const MOST: usize = 1000;
+
+/// Divisions of a cluster that are tried, from the least number of parts that its angle needs. Where none of them keeps every part below the
+/// limit its vertices are too heavy for that.
+const TRIES: usize = 24;
+
 /// Bound of |angle| of a cone: with 2π there is no angle left about it.
 const LIMIT: f64 = TAU * (1.0 - 1e-6);
 
@@ -59,7 +67,7 @@ const LIMIT: f64 = TAU * (1.0 - 1e-6);
 ///
 /// A cone with |angle| ≥ 2π, which no flat metric has, is shared out between its vertex and the nearest vertices that are no cones.
 ///
-/// **Takes** cones at different vertices. **Costs** O(m² log m) for clusters of m vertices.
+/// **Takes** cones at different vertices. **Costs** O(m² log m) for clusters of m vertices; those of more than a thousand are left as they are.
 pub fn round_clusters(
     mesh: &Mesh,
     geometry: &Geometry,
@@ -69,6 +77,10 @@ pub fn round_clusters(
     let unit = geometry.total_area().sqrt();
     let mut found = Vec::new();
     for cluster in clusters(mesh, cones) {
+        if cluster.len() > MOST {
+            found.extend(cluster.iter().map(|&cone| (cone, vec![cone.vertex])));
+            continue;
+        }
         let members = Cluster::new(mesh, geometry, &cluster);
         for part in members.parts(params, unit) {
             let angle: f64 = part.iter().map(|&i| cluster[i].angle).sum();
@@ -185,10 +197,9 @@ impl Cluster {
             return vec![all];
         }
         let limit = params.part_angle.min(bound);
-        for count in 2..all.len() {
-            if self.weight(&all) > count as f64 * limit {
-                continue;
-            }
+        let least = (2..all.len()).find(|&count| self.weight(&all) <= count as f64 * limit);
+        let least = least.unwrap_or(all.len());
+        for count in (least..all.len()).take(TRIES) {
             let parts = self.split(count);
             if parts.iter().all(|p| p.len() == 1 || self.weight(p) <= limit) {
                 return parts;

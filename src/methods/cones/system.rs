@@ -383,22 +383,27 @@ impl System {
         self.balance(&mut f);
         let rounds = if is_refined { 2 } else { 1 };
         if let Kind::TwoRing(_) = self.kind {
-            let mut rest = f.clone();
-            // B's condition is the square of L's: refinement is what makes its digits good.
+            // B's condition is the square of L's, and M⁻¹ L φ loses as many digits again: u and φ are refined side by side, for
+            // L u = f and L φ = M u.
+            let Response { mut u, mut phi } = response;
+            let (mut rest, mut change) = (vec![0.0; n], vec![0.0; u.len()]);
+            let mut off = vec![0.0; n];
             for _ in 0..rounds + 1 {
-                self.duals(&mut rest, 1);
-                for (phi, d) in response.phi.iter_mut().zip(&rest) {
-                    *phi += d;
-                }
-                let mut u = std::mem::take(&mut response.u);
-                self.scale_of(&response.phi, &mut u);
                 self.curvature_of(&u, &mut rest);
-                response.u = u;
-                for (r, f) in rest.iter_mut().zip(&f) {
-                    *r = f - *r;
+                self.scale_of(&phi, &mut change);
+                let miss: Vec<f64> = u.iter().zip(&change).map(|(u, c)| u - c).collect();
+                self.curvature_of(&miss, &mut off);
+                for i in 0..n {
+                    rest[i] = f[i] - rest[i] + off[i];
                 }
+                self.duals(&mut rest, 1);
+                self.scale_of(&rest, &mut change);
+                for v in 0..u.len() {
+                    u[v] += change[v] - miss[v];
+                }
+                phi.iter_mut().zip(&rest).for_each(|(p, d)| *p += d);
             }
-            return response;
+            return Response { u, phi };
         }
         let mut u = vec![0.0; n];
         self.refined(&f, &mut u, rounds);

@@ -6,7 +6,8 @@ use super::super::surface::Surface;
 use super::super::text::Problem;
 use super::{ConeKind, UsedCone};
 use crate::mesh::VertexId;
-use crate::methods::cones::EditError;
+use crate::methods::cones::{ConeConflict, ConeError, EditError};
+use crate::methods::flow::SolveError;
 
 /// Cones by hand: those that the optimum has to reckon with, and changes of its result.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,6 +28,12 @@ pub struct Placed {
 }
 
 impl Edits {
+    /// Puts a cone where none was placed yet.
+    pub fn place(&mut self, placed: Placed) {
+        self.placed.retain(|other| other.vertex != placed.vertex);
+        self.placed.push(placed);
+    }
+
     /// Whether nothing was done by hand.
     pub fn is_empty(&self) -> bool {
         self.placed.is_empty() && self.changed.is_none()
@@ -46,6 +53,71 @@ impl Edits {
             None => ConeKind::Optimal,
         }
     }
+}
+
+/// Why cones cannot be as they were asked for, with the numbers of the file.
+pub fn cone_problem(surface: &Surface, error: &SolveError) -> Problem {
+    let SolveError::Cones(error) = error else { return Problem::solve(&surface.name, error) };
+    let name = |v: VertexId| surface.soup_vertices.get(v.index()).copied().unwrap_or(v.0);
+    let in_pi = |x: f64| format!("{:.4} π", x / PI);
+    let at = |v: VertexId| format!("{}, vertex {} (counted from 0).", surface.name, name(v));
+    let part = |v: VertexId| format!("{}, the part of vertex {}.", surface.name, name(v));
+    match error {
+        ConeError::OutOfBounds { vertex, needed, least, most } => Problem::new(
+            format!(
+                "No cones within the bounds are enough: their angles have to add up to {} (Gauss–Bonnet), and the bounds allow {} to {}.",
+                in_pi(*needed),
+                in_pi(*least),
+                in_pi(*most)
+            ),
+            part(*vertex),
+            "Widen the bounds, exclude less, or fix fewer cones.",
+        ),
+        ConeError::GaussBonnet { vertex, total, needed } => Problem::new(
+            format!(
+                "The angles add up to {}, and on this surface they have to add up to {} (Gauss–Bonnet).",
+                in_pi(*total),
+                in_pi(*needed)
+            ),
+            part(*vertex),
+            "Change one of the angles by the difference, or leave one cone free.",
+        ),
+        ConeError::Conflict { vertex, angle, conflict } => {
+            let (what, advice) = match conflict {
+                ConeConflict::Twice => {
+                    ("There is a cone by hand there already.".into(), "Change that one.")
+                }
+                ConeConflict::Excluded => (
+                    "Cones are forbidden there.".into(),
+                    "Choose another place, or erase what forbids them.",
+                ),
+                ConeConflict::Bounds => (
+                    format!("A cone of {} lies outside the bounds of the angles.", in_pi(*angle)),
+                    "Widen the bounds, or choose another angle.",
+                ),
+                ConeConflict::Boundary => (
+                    "A cone cannot lie on this boundary: its curvature follows from its lengths."
+                        .into(),
+                    "Choose a place inside, or a polygonal boundary, which has corners.",
+                ),
+            };
+            Problem::new(what, at(*vertex), advice)
+        }
+        _ => Problem::new(
+            format!("The cones cannot be as asked for: {error}."),
+            format!("{}, cones.", surface.name),
+            "Change what was painted or placed by hand.",
+        ),
+    }
+}
+
+/// An angle that no flat surface has around a point.
+pub fn too_large(place: String, angle: f64) -> Problem {
+    Problem::new(
+        format!("A cone of {:.4} π takes more than the full turn there is.", angle / PI),
+        place,
+        "Choose an angle between −2 π and 2 π.",
+    )
 }
 
 /// Why a change by hand cannot be made, with the numbers of the file.

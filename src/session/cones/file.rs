@@ -1,16 +1,19 @@
 //! `cones.json`: cones as they are used, to be taken up again.
 
+use std::f64::consts::TAU;
+
 use serde::{Deserialize, Serialize};
 
 use super::super::brought::vertex_of;
-use super::super::message::Event;
+use super::super::message::{Command, Event, Value};
 use super::super::surface::Surface;
 use super::super::text::Problem;
 use super::super::work::Work;
 use super::super::{Session, nothing_open};
-use super::edits::{Edits, Placed};
+use super::edits::{Edits, Placed, too_large};
 use super::report::ConeReport;
 use super::{ConeKind, UsedCone};
+use crate::mesh::VertexId;
 use crate::methods::cones::Cone;
 
 /// The kind of file.
@@ -22,7 +25,19 @@ struct ConesFile {
     format: String,
     /// Vertices of the mesh's file.
     vertices: usize,
+    /// What the boundary was asked to be.
+    boundary: String,
+    /// Corners of the boundary included.
     cones: Vec<ConeReport>,
+}
+
+/// A vertex that faces use. **Fails** on others.
+fn used_vertex(surface: &Surface, x: f64, place: &str) -> Result<VertexId, Problem> {
+    let vertex = vertex_of(surface, x, place)?;
+    let is_itself = f64::from(surface.soup_vertices[vertex.index()]).to_bits() == x.to_bits();
+    is_itself.then_some(vertex).ok_or_else(|| {
+        Problem::new(format!("No face uses vertex {x}."), place, "Choose a vertex of the surface.")
+    })
 }
 
 /// Whether a file says that it holds cones.
@@ -32,7 +47,11 @@ pub fn is_cones_file(bytes: &[u8]) -> bool {
 }
 
 /// Cones from the bytes of a file.
-fn cones_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<Vec<Cone>, Problem> {
+fn cones_from_json(
+    surface: &Surface,
+    name: &str,
+    bytes: &[u8],
+) -> Result<(Vec<Cone>, String), Problem> {
     let wrong = |what: String, advice: &str| Problem::new(what, format!("{name}."), advice);
     let file: ConesFile = serde_json::from_slice(bytes).map_err(|error| {
         wrong(
@@ -57,10 +76,10 @@ fn cones_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<Vec<Co
         ));
     }
     let cone = |cone: &ConeReport| {
-        if !cone.angle.is_finite() {
-            return Err(wrong("An angle is not finite.".into(), "Write angles in radians."));
+        if !(cone.angle.abs() < TAU) {
+            return Err(too_large(format!("{name}, vertex {}.", cone.vertex), cone.angle));
         }
-        let vertex = vertex_of(surface, f64::from(cone.vertex), &format!("{name}."))?;
+        let vertex = used_vertex(surface, f64::from(cone.vertex), &format!("{name}."))?;
         Ok(Cone { vertex, angle: cone.angle })
     };
     let mut cones = file.cones.iter().map(cone).collect::<Result<Vec<_>, _>>()?;
@@ -72,7 +91,7 @@ fn cones_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<Vec<Co
             "Leave one of the two out.",
         ));
     }
-    Ok(cones)
+    Ok((cones, file.boundary))
 }
 
 impl Session {
@@ -83,11 +102,15 @@ impl Session {
         bytes: &[u8],
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
-        let bring = |work: &mut Work| {
-            let cones = cones_from_json(work.document.surface()?, name, bytes)?;
+        let work = self.cones_at_work()?;
+        let (cones, boundary) = cones_from_json(work.document.surface()?, name, bytes)?;
+        if work.settings.text("boundary") != boundary {
+            let value = Value::Text(boundary);
+            events.extend(self.handle(Command::SetParameter { id: "boundary".into(), value }));
+        }
+        let bring = |_: &mut Work| {
             let used = |cone| UsedCone { cone, kind: ConeKind::Fixed, members: 1 };
             let changed: Vec<UsedCone> = cones.into_iter().map(used).collect();
-            work.try_cones(&changed)?;
             Ok(Edits { placed: Vec::new(), changed: Some(changed) })
         };
         self.change_cones("bring cones", bring, events)
@@ -101,12 +124,18 @@ impl Session {
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
         let bring = |work: &mut Work| {
-            let vertex = vertex_of(work.document.surface()?, vertex, "Cones by hand.")?;
+            let surface = work.document.surface()?;
+            let place = format!("Vertex {vertex}, cones by hand.");
+            let vertex = used_vertex(surface, vertex, &place)?;
             let mut edits = work.cones.edits.clone();
-            match edits.placed_at(vertex) {
-                Some(i) => edits.placed[i].angle = angle,
-                None => edits.placed.push(Placed { vertex, angle }),
+            if edits.placed_at(vertex).is_some() {
+                return Err(Problem::new(
+                    "There is a cone by hand there already.",
+                    place,
+                    "Name every vertex once.",
+                ));
             }
+            edits.place(Placed { vertex, angle });
             Ok(edits)
         };
         self.change_cones("add a cone", bring, events)
@@ -126,6 +155,7 @@ impl Work {
         self.json(&ConesFile {
             format: FORMAT.into(),
             vertices: surface.soup.positions.len(),
+            boundary: self.settings.text("boundary").into(),
             cones: set.cones.iter().map(report).collect(),
         })
     }

@@ -7,7 +7,10 @@ use super::table::ConeComparisonRow;
 use super::{ConeKind, ConeSet, UsedCone};
 use crate::mesh::VertexId;
 use crate::methods::cones::{Cone, ConeFlow, RoundParams, debias, greedy_cones, round_clusters};
-use crate::methods::flow::{Flow, SolveError};
+use crate::methods::flow::{Flow, SolveError, Status};
+
+/// More cones than that are merged and refitted only once the solution has been reached.
+const QUICK: usize = 150;
 
 /// Cones of the optimum, merged and refitted as the parameters say.
 pub fn of_optimum(
@@ -17,53 +20,54 @@ pub fn of_optimum(
     surface: &Surface,
 ) -> Result<ConeSet, SolveError> {
     let state = flow.state();
+    let is_over = flow.status() != Status::Running;
     if state.is_convex {
         // A cone at every vertex says nothing: cones are left to those who want some.
         return Ok(ConeSet {
             cones: Vec::new(),
             u: vec![0.0; state.u.len()],
-            int_u2: state.int_u2,
-            total_angle: state.total_angle,
+            int_u2: 0.0,
+            total_angle: 0.0,
             change: None,
         });
     }
-    let (optimum, best_u) = (state.cones.clone(), state.u.clone());
+    let (optimum, corners, best_u) = (state.cones.clone(), state.corners.clone(), state.u.clone());
+    let (best_int_u2, best_angle) = (state.int_u2, state.total_angle);
     let alone =
         |cone: &Cone| UsedCone { cone: *cone, kind: edits.kind(cone.vertex, 1), members: 1 };
     let mut used: Vec<UsedCone> = optimum.iter().map(alone).collect();
-    let mut is_optimum = true;
-    // Cones that were placed by hand stay where they are.
-    if settings.is_on("round") {
+    if settings.is_on("round") && (is_over || used.len() <= QUICK) {
+        // Cones that were placed by hand stay where they are.
         let (by_hand, others): (Vec<UsedCone>, Vec<UsedCone>) =
             used.into_iter().partition(|used| edits.placed_at(used.cone.vertex).is_some());
         let others: Vec<Cone> = others.into_iter().map(|used| used.cone).collect();
         let params = RoundParams { bounds: flow.params().bounds, ..RoundParams::default() };
         let rounded = round_clusters(&surface.mesh, &surface.geometry, &others, &params);
-        is_optimum = rounded.cones.len() == others.len();
         used = by_hand;
         for (cone, cluster) in rounded.cones.iter().zip(&rounded.clusters) {
             let members = cluster.len();
             used.push(UsedCone { cone: *cone, kind: edits.kind(cone.vertex, members), members });
         }
     }
-    if settings.is_on("debias") {
+    used.sort_by_key(|used| used.cone.vertex);
+    if settings.is_on("debias") && is_over {
         let cones: Vec<Cone> = used.iter().map(|used| used.cone).collect();
         let is_held = |used: &&UsedCone| used.kind == ConeKind::Fixed;
         let held: Vec<VertexId> =
             used.iter().filter(is_held).map(|used| used.cone.vertex).collect();
-        used.sort_by_key(|used| used.cone.vertex);
         let fitted = debias(flow, &cones, &held)?;
         used.iter_mut().zip(fitted).for_each(|(used, cone)| used.cone = cone);
-        is_optimum = false;
     }
+    let is_optimum = used.iter().map(|used| used.cone).eq(optimum);
+    let corner = |&cone: &Cone| UsedCone { cone, kind: ConeKind::Corner, members: 1 };
+    used.extend(corners.iter().map(corner));
     used.sort_by_key(|used| used.cone.vertex);
     if is_optimum {
-        let state = flow.state();
         return Ok(ConeSet {
             cones: used,
             u: best_u,
-            int_u2: state.int_u2,
-            total_angle: state.total_angle,
+            int_u2: best_int_u2,
+            total_angle: best_angle,
             change: None,
         });
     }
@@ -110,7 +114,7 @@ pub fn greedy(surface: &Surface, count: usize) -> Result<ConeSet, SolveError> {
 pub fn row(label: String, set: &ConeSet) -> ConeComparisonRow {
     ConeComparisonRow {
         label,
-        count: set.cones.len(),
+        count: set.count(),
         total_angle: set.total_angle,
         int_u2: set.int_u2,
         // The surface has unit area.

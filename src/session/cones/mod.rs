@@ -3,23 +3,31 @@
 //! Everything follows from the parameters, the painted layers and [`Edits`]: Undo keeps these and solves again, starting from
 //! where the solver is.
 
-mod commands;
+mod driving;
 mod edits;
 mod file;
+mod hands;
 mod measures;
 mod path;
 mod problem;
 mod report;
 mod specs;
 mod table;
+mod telling;
+
+use std::f64::consts::TAU;
 
 use super::document::Document;
 use super::inputs::Layers;
 use super::params::Settings;
 use super::surface::Surface;
 use super::text::Problem;
-use crate::methods::cones::{Cone, ConeFields, ConeFlow, ConeParams, ConeTarget, PathPoint};
+use crate::methods::cones::{
+    Cone, ConeFields, ConeFlow, ConeParams, ConeState, ConeTarget, PathPoint,
+};
 use crate::methods::flow::{Flow, Status};
+
+use edits::{cone_problem, too_large};
 
 pub use edits::Edits;
 pub use file::is_cones_file;
@@ -38,16 +46,36 @@ pub struct Cones {
     pub set: Option<ConeSet>,
     /// The optimum over λ as far as it is known, λ descending.
     pub path: Vec<PathPoint>,
+    /// Whether that is all of it.
+    pub is_path_whole: bool,
     /// The sampling of the path that is going on.
     pub tracing: Option<Tracing>,
     /// Other choices of as many cones.
     pub comparison: Vec<ConeComparisonRow>,
-    /// Whether to solve as soon as there is time.
-    pub is_due: bool,
+    /// The optimum that they were made of.
+    pub optimum: Option<ConeState>,
+    /// Whether the solver has not reached what the parameters ask for.
+    pub is_stale: bool,
+    /// Whether it waits until it is told to go on.
+    pub is_held: bool,
+    /// What is wanted once the solution is there.
+    pub wanted: Wanted,
     /// Whether changes by hand gave way to another optimum.
     pub has_dropped: bool,
     /// Rounds of the present solution.
     pub rounds: usize,
+}
+
+/// Something to be computed beside the solution.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wanted {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// The path over λ.
+    Path,
+    /// The greedy strategy.
+    Comparison,
 }
 
 /// A solver and the problem that it was made for.
@@ -56,7 +84,7 @@ struct Solver {
     params: ConeParams,
     fields: ConeFields,
     /// What it was asked to reach.
-    target: ConeTarget,
+    target: Option<ConeTarget>,
 }
 
 /// Cones as they are used, and their flattening's scale factors.
@@ -94,6 +122,8 @@ pub enum ConeKind {
     Merged,
     /// Put there by hand, with the angle that is best.
     Free,
+    /// A corner of the flattened boundary.
+    Corner,
     /// Moved by hand, with the angle that it had.
     Moved,
     /// Given its angle by hand.
@@ -104,6 +134,24 @@ impl Cones {
     /// Whether there is a solution to show.
     pub fn is_solved(&self) -> bool {
         self.set.is_some()
+    }
+
+    /// Whether to solve as soon as there is time.
+    pub fn is_due(&self) -> bool {
+        self.is_stale && !self.is_held
+    }
+
+    /// Solve as soon as there is time.
+    pub fn ask_again(&mut self) {
+        self.comparison.clear();
+        self.wanted = Wanted::Nothing;
+        self.is_stale = true;
+        self.is_held = false;
+    }
+
+    /// Whether a path is known or being sampled.
+    pub fn has_path(&self) -> bool {
+        self.tracing.is_some() || !self.path.is_empty()
     }
 
     /// How the solver stands.
@@ -122,10 +170,31 @@ impl Cones {
     }
 
     /// Takes over the solver of the same surface, and what it knows.
-    pub fn keep_solver(&mut self, old: Self) {
+    pub fn keep_solver(&mut self, mut old: Self) {
+        old.abandon_path();
         self.solver = old.solver;
         self.path = old.path;
+        self.is_path_whole = old.is_path_whole;
         self.set = old.set;
+        self.optimum = old.optimum;
+    }
+
+    /// Finds out whether the solver can take these fields. It has taken them then.
+    pub fn try_fields(&mut self, surface: &Surface, fields: &ConeFields) -> Result<(), Problem> {
+        if let Some(i) = fields.fixed.iter().position(|(_, angle)| !(angle.abs() < TAU)) {
+            let (vertex, angle) = fields.fixed[i];
+            let number = surface.soup_vertices[vertex.index()];
+            let place = format!("{}, vertex {number} (counted from 0).", surface.name);
+            return Err(too_large(place, angle));
+        }
+        let Some(solver) = self.solver.as_mut().filter(|solver| solver.fields != *fields) else {
+            return Ok(());
+        };
+        solver.flow.set_fields(fields).map_err(|error| cone_problem(surface, &error))?;
+        solver.fields = fields.clone();
+        solver.target = None;
+        self.forget_path();
+        Ok(())
     }
 
     /// Whether the solver has these fields already.
@@ -136,7 +205,12 @@ impl Cones {
     /// Forgets the solution.
     pub fn begin_again(&mut self) {
         let edits = std::mem::take(&mut self.edits);
-        *self = Self { edits: Edits { changed: None, ..edits }, ..Self::default() };
+        *self = Self {
+            edits: Edits { changed: None, ..edits },
+            is_stale: true,
+            is_held: true,
+            ..Self::default()
+        };
     }
 
     /// What the solver needed so far: factorisations and solves.
@@ -154,27 +228,32 @@ impl Cones {
         let surface = document.surface()?;
         let params = problem::params(settings);
         let fields = problem::fields(settings, layers, &self.edits, surface);
-        let wrong = |error| Problem::solve(&document.name, &error);
-        // λ is followed by the solver; everything else is another problem.
+        let target = problem::target(settings);
+        let wrong = |error| cone_problem(surface, &error);
         self.abandon_path();
-        let is_same = self.solver.as_ref().is_some_and(|solver| {
-            solver.fields == fields
-                && ConeParams { lambda: params.lambda, ..solver.params } == params
-        });
-        if !is_same {
+        // λ is part of the target; another one is no other problem.
+        let is_same = self
+            .solver
+            .as_ref()
+            .is_some_and(|s| ConeParams { lambda: params.lambda, ..s.params } == params);
+        if self.solver.is_none() {
             let (mesh, geometry) = surface.given_or_mended();
             let flow = ConeFlow::new(mesh, geometry, &params, &fields).map_err(wrong)?;
-            self.path.clear();
-            self.tracing = None;
-            let target = ConeTarget::Lambda(params.lambda);
-            self.solver = Some(Solver { flow, params, fields, target });
-            self.rounds = 0;
+            self.solver = Some(Solver { flow, params, fields: fields.clone(), target: None });
+            self.forget_path();
+        } else if !is_same {
+            if let Some(solver) = &mut self.solver {
+                solver.flow.set_params(&params).map_err(wrong)?;
+                solver.params = params;
+                solver.target = None;
+            }
+            self.forget_path();
         }
+        self.try_fields(surface, &fields)?;
         let solver = self.solver.as_mut().ok_or_else(super::nothing_open)?;
-        let target = problem::target(settings);
-        if solver.target != target {
+        if solver.target != Some(target) {
             solver.flow.aim(target).map_err(wrong)?;
-            solver.target = target;
+            solver.target = Some(target);
             self.rounds = 0;
         }
         Ok(&mut solver.flow)
@@ -183,38 +262,42 @@ impl Cones {
     /// One round of the solver; the cones that are used follow.
     ///
     /// **Gives** whether the solution has been reached.
-    fn round(
+    pub fn round(
         &mut self,
         document: &Document,
         settings: &Settings,
         layers: &Layers,
     ) -> Result<bool, Problem> {
-        let wrong = |error| Problem::solve(&document.name, &error);
+        let surface = document.surface()?;
         let flow = self.prepare(document, settings, layers)?;
-        let status = match flow.status() {
-            Status::Running => flow.step().map_err(wrong)?.status,
-            status => status,
-        };
-        self.rounds += 1;
-        self.use_cones(document, settings)?;
-        Ok(status != Status::Running)
+        if flow.status() == Status::Running {
+            flow.step().map_err(|error| cone_problem(surface, &error))?;
+            self.rounds += 1;
+        }
+        self.use_cones(surface, settings)?;
+        self.is_stale = self.status() == Some(Status::Running);
+        Ok(!self.is_stale)
     }
 
     /// Makes the cones that are used from the optimum, or from what was changed by hand.
-    fn use_cones(&mut self, document: &Document, settings: &Settings) -> Result<(), Problem> {
-        let surface = document.surface()?;
+    fn use_cones(&mut self, surface: &Surface, settings: &Settings) -> Result<(), Problem> {
         let Some(solver) = &mut self.solver else { return Ok(()) };
-        let wrong = |error| Problem::solve(&document.name, &error);
         let set = match &self.edits.changed {
             Some(cones) => measures::evaluated(&mut solver.flow, cones.clone()),
             None => measures::of_optimum(&mut solver.flow, settings, &self.edits, surface),
         };
-        self.set = Some(set.map_err(wrong)?);
+        self.set = Some(set.map_err(|error| cone_problem(surface, &error))?);
+        self.optimum = Some(solver.flow.state().clone());
         Ok(())
     }
 }
 
 impl ConeSet {
+    /// Cones, corners of the boundary left out.
+    pub fn count(&self) -> usize {
+        self.cones.iter().filter(|used| used.kind != ConeKind::Corner).count()
+    }
+
     /// The vertices of the cones.
     pub fn vertices(&self) -> Vec<crate::mesh::VertexId> {
         self.cones.iter().map(|used| used.cone.vertex).collect()

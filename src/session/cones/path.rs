@@ -22,6 +22,14 @@ impl Cones {
         // Both numbers are within their ranges.
         self.tracing = ConePath::new(SAMPLES, LOWEST).ok().map(|path| Tracing { path });
         self.path.clear();
+        self.is_path_whole = false;
+    }
+
+    /// The path belongs to another problem.
+    pub fn forget_path(&mut self) {
+        self.abandon_path();
+        self.path.clear();
+        self.is_path_whole = false;
     }
 
     /// Ends a sampling that goes on; the solver is where it was.
@@ -46,6 +54,7 @@ impl Cones {
         }
         if !goes_on {
             self.tracing = None;
+            self.is_path_whole = true;
         }
         Ok(is_news)
     }
@@ -63,9 +72,6 @@ impl Cones {
 
     /// The same for the page.
     pub fn path_event(&self) -> Event {
-        Event::ConePath {
-            points: self.path_points(),
-            is_complete: self.tracing.is_none() && !self.path.is_empty(),
-        }
+        Event::ConePath { points: self.path_points(), is_complete: self.is_path_whole }
     }
 }

@@ -9,7 +9,7 @@ use super::super::text::Problem;
 use super::super::work::Work;
 use super::table::{ConeComparisonRow, ConePathPoint};
 use crate::methods::cones::Cone;
-use crate::methods::flow::{Flow, Status};
+use crate::methods::flow::Status;
 
 /// Report of optimal cones. Lengths over √area.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -94,8 +94,9 @@ impl Work {
         &self,
         seconds: Option<f64>,
     ) -> Result<ConesReport, Problem> {
-        let (Some(layout), Some(flow), Some(set), Some(surface)) =
-            (&self.layout, self.cones.flow(), &self.cones.set, &self.document.surface)
+        let cones = &self.cones;
+        let (Some(layout), Some(flow), Some(state), Some(set), Some(surface)) =
+            (&self.layout, cones.flow(), &cones.optimum, &cones.set, &self.document.surface)
         else {
             return Err(Problem::new(
                 "There are no cones to report on.",
@@ -103,7 +104,6 @@ impl Work {
                 "Choose Run.",
             ));
         };
-        let state = flow.state();
         let report = |cone: &Cone| ConeReport {
             vertex: surface.soup_vertices[cone.vertex.index()],
             angle: cone.angle,

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// Cones and their certificate. Angles in radians, lengths for a surface of unit area.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ConeTable {
     /// Price of angle.
     pub lambda: f64,
@@ -11,6 +11,8 @@ pub struct ConeTable {
     pub lambda_max: f64,
     /// Whether cones were changed by hand after the optimum.
     pub is_edited: bool,
+    /// Whether the optimum was asked for with cones that were placed by hand.
+    pub has_placed: bool,
     /// Vertices that are cones in the optimum.
     pub raw_count: usize,
     /// ∫u² of the optimum.
@@ -40,7 +42,7 @@ pub struct ConeRow {
     pub place: [f64; 3],
     /// Curvature that is gathered there, radians.
     pub angle: f64,
-    /// `optimal`, `merged` (of several vertices), or by hand `free`, `moved` or `fixed`.
+    /// `optimal`, `merged` (of several vertices), `corner` (of the flattened boundary), or by hand `free`, `moved` or `fixed`.
     pub kind: &'static str,
     /// Vertices of the optimum that it stands for.
     pub members: usize,

@@ -71,7 +71,7 @@ fn closed_open_and_convex_parts_are_solved_side_by_side() {
         sphere,
     ));
     for boundary in MODES {
-        let params = ConeParams { boundary, ..at(3e-4) };
+        let params = ConeParams { boundary, ..at(5e-5) };
         let state = solved_twice(&surface, &params, &ConeFields::default());
         assert!(!state.is_convex, "only one of the parts is");
         // Every vertex of the sphere is a cone of its own curvature.
@@ -91,6 +91,7 @@ fn weights_exclusions_free_and_fixed_cones_keep_the_conditions() {
     for surface in [build(sheet(10)), build(blob(6)), build(ring(14, 30))] {
         let (mesh, geometry) = &surface;
         let n = mesh.vertex_count();
+        let lambda = price(mesh, geometry, 0.1);
         let wave = |v: usize, k: f64| 1.0 + 0.8 * (k * geometry.positions[v].x * 9.0).sin();
         let distortion_weight: Vec<f64> = (0..n).map(|v| wave(v, 1.0)).collect();
         let cone_cost: Vec<f64> = (0..n).map(|v| wave(v, -0.7)).collect();
@@ -117,7 +118,7 @@ fn weights_exclusions_free_and_fixed_cones_keep_the_conditions() {
             },
         ];
         for fields in &fields {
-            let state = solved_twice(&surface, &at(0.002), fields);
+            let state = solved_twice(&surface, &at(lambda), fields);
             for &(vertex, angle) in &fields.fixed {
                 assert!(state.cones.contains(&Cone { vertex, angle }));
             }
@@ -128,7 +129,7 @@ fn weights_exclusions_free_and_fixed_cones_keep_the_conditions() {
         let logs: f64 = distortion_weight.iter().map(|w| w.ln()).sum();
         assert!(logs.abs() < 1e-9 * n as f64, "the geometric mean is 1");
         let fields = ConeFields { distortion_weight, cone_cost, ..ConeFields::default() };
-        solved_twice(&surface, &at(0.002), &fields);
+        solved_twice(&surface, &at(lambda), &fields);
     }
 }
 
@@ -193,7 +194,8 @@ fn scale_motion_and_numbering_do_not_matter() {
         let mesh = Mesh::new(positions.len(), &triangles).unwrap();
         let as_it_is = |p: &[f64; 3]| nalgebra::Point3::from(*p);
         let geometry = Geometry::new(&mesh, positions.iter().map(as_it_is).collect()).unwrap();
-        let params = at(0.004 * geometry.total_area());
+        let (unit_mesh, unit_geometry) = unit(&positions, &triangles);
+        let params = at(price(&unit_mesh, &unit_geometry, 0.2) * geometry.total_area());
         let mut first = flow(&mesh, &geometry, &params, &ConeFields::default());
         let first = solve(&mut first).clone();
         for scale in [1e-3, 1.0, 1e3] {

@@ -50,7 +50,9 @@ fn solve(flow: &mut ConeFlow) -> &ConeState {
             break;
         }
     }
-    assert_eq!(flow.status(), Status::Converged, "{:?}", flow.state().residual);
+    let s = flow.state();
+    let text = (s.lambda, s.cones.len(), s.gap, s.violation, s.residual, flow.lambda_max());
+    assert_eq!(flow.status(), Status::Converged, "{text:?}");
     flow.state()
 }
 
@@ -208,7 +210,7 @@ fn blob(frequency: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         .positions
         .iter()
         .map(|p| {
-            let r = 1.0 + 0.3 * (3.0 * p[0] + 0.4).sin() * (2.0 * p[1]).cos() + 0.2 * p[2] * p[0];
+            let r = 1.0 + 0.25 * (5.0 * p[0] + 0.4).sin() * (4.0 * p[1]).cos() + 0.2 * p[2] * p[0];
             p.map(|x| x * r)
         })
         .collect();
@@ -248,4 +250,11 @@ fn both(
     a.0.extend(b.0.iter().map(|p| [p[0] + 5.0, p[1], p[2]]));
     a.1.extend(b.1.iter().map(|t| t.map(|v| v + offset)));
     a
+}
+
+/// A price as a share of the one from which on nothing changes.
+fn price(mesh: &Mesh, geometry: &Geometry, share: f64) -> f64 {
+    let mut flow = flow(mesh, geometry, &at(1.0), &ConeFields::default());
+    solve(&mut flow);
+    share * flow.lambda_max()
 }

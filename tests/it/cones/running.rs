@@ -11,10 +11,10 @@ fn build((positions, triangles): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> (Mesh, Geome
 
 #[test]
 fn a_run_repeats_bit_for_bit_descends_goes_on_from_a_checkpoint_and_ends_quietly() {
-    let auto = at(0.0015);
+    let auto = at(6e-5);
     let newton = ConeParams { method: ConeMethod::Newton, ..auto };
     let coarse = ConeParams { multiresolution: true, ..auto };
-    let polygonal = ConeParams { boundary: ConeBoundary::Polygonal, ..auto };
+    let polygonal = ConeParams { boundary: ConeBoundary::Polygonal, ..at(0.0015) };
     for (surface, params) in [
         (build(blob(7)), auto),
         (build(blob(7)), newton),
@@ -57,7 +57,8 @@ fn a_run_repeats_bit_for_bit_descends_goes_on_from_a_checkpoint_and_ends_quietly
 fn on_the_path_angle_falls_and_distortion_grows_with_the_price() {
     for surface in [build(sheet(12)), build(blob(7)), build(ring(14, 30))] {
         let (mesh, geometry) = &surface;
-        let mut flow = flow(mesh, geometry, &at(0.003), &ConeFields::default());
+        let lambda = price(mesh, geometry, 0.3);
+        let mut flow = flow(mesh, geometry, &at(lambda), &ConeFields::default());
         let home = solve(&mut flow).clone();
         let mut path = ConePath::new(9, 0.02).unwrap();
         while !path.step(&mut flow).unwrap() {}
@@ -81,16 +82,21 @@ fn on_the_path_angle_falls_and_distortion_grows_with_the_price() {
 #[test]
 fn a_number_of_cones_an_angle_or_a_distortion_is_found_on_the_path() {
     let (mesh, geometry) = build(blob(8));
-    let mut flow = flow(&mesh, &geometry, &at(0.003), &ConeFields::default());
-    flow.aim(ConeTarget::TotalAngle(15.0)).unwrap();
-    assert!(close(solve(&mut flow).total_angle, 15.0, 1.1e-4));
-    flow.aim(ConeTarget::Distortion(0.05)).unwrap();
-    assert!(close(solve(&mut flow).int_u2, 0.05, 1.1e-4));
-    flow.aim(ConeTarget::Count(40)).unwrap();
+    let most = price(&mesh, &geometry, 1.0);
+    let mut flow = flow(&mesh, &geometry, &at(0.2 * most), &ConeFields::default());
+    let there = solve(&mut flow).clone();
+    flow.set_lambda(most).unwrap();
+    solve(&mut flow);
+    flow.aim(ConeTarget::TotalAngle(there.total_angle)).unwrap();
+    assert!(close(solve(&mut flow).total_angle, there.total_angle, 1.1e-4));
+    flow.set_lambda(0.05 * most).unwrap();
+    flow.aim(ConeTarget::Distortion(there.int_u2)).unwrap();
+    assert!(close(solve(&mut flow).int_u2, there.int_u2, 1.1e-4));
+    flow.aim(ConeTarget::Count(100)).unwrap();
     let (count, lambda) = (solve(&mut flow).cones.len(), flow.state().lambda);
-    assert!(count <= 40);
+    assert!(count <= 100);
     flow.set_lambda(lambda * 0.995).unwrap();
-    assert!(count == 40 || solve(&mut flow).cones.len() > 40);
+    assert!(count == 100 || solve(&mut flow).cones.len() > 100);
     // Gauss–Bonnet asks for 4π.
     flow.aim(ConeTarget::TotalAngle(1.0)).unwrap();
     let mut status = Status::Running;
@@ -104,7 +110,7 @@ fn a_number_of_cones_an_angle_or_a_distortion_is_found_on_the_path() {
 #[test]
 fn a_coarse_start_changes_nothing_in_the_result() {
     let surface = build(blob(21));
-    let params = at(8e-4);
+    let params = at(6e-5);
     let solved = |params: &ConeParams| {
         let mut flow = flow(&surface.0, &surface.1, params, &ConeFields::default());
         solve(&mut flow).clone()
@@ -127,7 +133,8 @@ fn given_cones_are_worth_what_the_optimum_says() {
         (build(sheet(10)), ConeBoundary::Optimal),
         (build(sheet(10)), ConeBoundary::Polygonal),
     ] {
-        let params = ConeParams { boundary, ..at(0.002) };
+        let lambda = price(&surface.0, &surface.1, 0.2);
+        let params = ConeParams { boundary, ..at(lambda) };
         let mut flow = flow(&surface.0, &surface.1, &params, &ConeFields::default());
         let state = solve(&mut flow).clone();
         let evaluation = flow.evaluate(&state.cones).unwrap();
@@ -149,11 +156,11 @@ fn given_cones_are_worth_what_the_optimum_says() {
 #[test]
 fn fields_and_options_changed_under_way_give_what_a_new_flow_gives() {
     let (mesh, geometry) = build(blob(7));
-    let mut old = flow(&mesh, &geometry, &at(0.003), &ConeFields::default());
+    let mut old = flow(&mesh, &geometry, &at(1e-4), &ConeFields::default());
     solve(&mut old);
     let fields = ConeFields { free: vec![VertexId(5)], ..ConeFields::default() };
     old.set_fields(&fields).unwrap();
-    let params = ConeParams { bounds: [-0.5, 1.2], ..at(0.002) };
+    let params = ConeParams { bounds: [-0.5, 1.2], ..at(6e-5) };
     old.set_params(&params).unwrap();
     let mut new = flow(&mesh, &geometry, &params, &fields);
     let (a, b) = (solve(&mut old).clone(), solve(&mut new));

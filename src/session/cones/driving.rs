@@ -1,0 +1,331 @@
+//! Driving the solver: rounds, pause, reset, the path over λ, the comparison. Everything long is done in bounded pieces.
+
+use super::super::layout::Layout;
+use super::super::message::{Event, Value};
+use super::super::method::Method;
+use super::super::text::Problem;
+use super::super::work::{Pending, Work};
+use super::super::{Session, nothing_open};
+use super::{Wanted, measures, problem};
+use crate::methods::flow::{Flow, Status};
+
+/// Prices that the parameter takes.
+const PRICES: [f64; 2] = [1e-4, 0.2];
+
+/// More cones than that are not compared: the greedy strategy keeps a Green's function for each.
+const MOST_COMPARED: usize = 200;
+
+impl Session {
+    /// Whether the cones are at work and there is something to do for them.
+    pub(in super::super) fn cones_have_work(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| {
+            let cones = &work.cones;
+            work.method == Method::Cones
+                && work.document.surface.is_some()
+                && (cones.is_due()
+                    || cones.tracing.is_some()
+                    || (cones.is_solved() && (!work.is_settled || cones.wanted != Wanted::Nothing)))
+        })
+    }
+
+    /// One bounded piece of that.
+    pub(in super::super) fn cones_advance(
+        &mut self,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Ok(()) };
+        if work.cones.is_due() {
+            return self.cones_round(events);
+        }
+        if !work.is_settled {
+            self.settle(events);
+            // What cannot be flattened is not tried again and again.
+            if let Some(work) = &mut self.work {
+                work.is_settled = true;
+            }
+            return Ok(());
+        }
+        match std::mem::take(&mut work.cones.wanted) {
+            Wanted::Path => {
+                work.cones.begin_path();
+                events.push(work.cones.path_event());
+                return Ok(());
+            }
+            Wanted::Comparison => {
+                work.compare()?;
+                events.push(Event::ConeComparison { rows: work.cones.comparison.clone() });
+                return Ok(());
+            }
+            Wanted::Nothing => {}
+        }
+        let name = work.document.name.clone();
+        match work.cones.trace() {
+            Ok(is_news) => {
+                if is_news {
+                    events.push(work.cones.path_event());
+                }
+                Ok(())
+            }
+            Err(error) => {
+                work.cones.abandon_path();
+                events.push(work.cones.path_event());
+                Err(Problem::solve(&name, &error))
+            }
+        }
+    }
+
+    fn cones_round(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Ok(()) };
+        let (document, settings, layers) = (&work.document, &work.settings, &work.layers);
+        let had_path = work.cones.has_path();
+        let result = work.cones.round(document, settings, layers);
+        if had_path && !work.cones.has_path() {
+            events.push(work.cones.path_event());
+        }
+        match result {
+            Ok(is_over) => self.is_running &= !is_over,
+            Err(problem) => {
+                // The cones before stay; they are not those that were asked for.
+                work.cones.is_held = true;
+                self.is_running = false;
+                return Err(problem);
+            }
+        }
+        self.after_cones_changed(events);
+        Ok(())
+    }
+
+    /// One round by hand.
+    pub(in super::super) fn cones_step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        work.document.surface()?;
+        if work.cones.is_stale {
+            self.cones_round(events)?;
+        }
+        self.cones_pause();
+        self.is_running = false;
+        self.unmark(events);
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    pub(in super::super) fn cones_run(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        work.document.surface()?;
+        work.cones.is_held = false;
+        self.is_running = work.cones.is_stale;
+        self.unmark(events);
+        events.push(self.status());
+        Ok(())
+    }
+
+    pub(in super::super) fn cones_pause(&mut self) {
+        if let Some(work) = self.work.as_mut().filter(|work| work.method == Method::Cones) {
+            work.cones.is_held = true;
+            work.cones.wanted = Wanted::Nothing;
+            work.cones.abandon_path();
+        }
+    }
+
+    /// Back to a surface without cones.
+    pub(in super::super) fn cones_reset(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        work.document.surface()?;
+        self.remember("reset", "reset");
+        let Some(work) = &mut self.work else { return Ok(()) };
+        work.cones.begin_again();
+        work.layout = None;
+        work.is_settled = false;
+        self.scene_is_new = true;
+        events.push(work.cones.path_event());
+        events.push(work.measures());
+        events.extend(self.cones_event());
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    /// The status line while cones are at work.
+    pub(in super::super) fn cones_status(&self, work: &Work) -> (&'static str, String) {
+        let cones = &work.cones;
+        let rounds = cones.rounds;
+        if cones.is_due() {
+            return ("running", format!("Running step {}", rounds + 1));
+        }
+        if cones.tracing.is_some() || cones.wanted == Wanted::Path {
+            let count = cones.path.len();
+            return ("running", format!("Running step {count}: tracing the path over λ"));
+        }
+        if cones.wanted == Wanted::Comparison {
+            return ("running", format!("Running step {rounds}: comparing with greedy cones"));
+        }
+        match cones.status() {
+            _ if !cones.is_solved() => ("ready", "Ready".into()),
+            _ if cones.is_stale => ("paused", format!("Paused at step {rounds}")),
+            Some(Status::Infeasible) => {
+                ("stalled", format!("Converged after {rounds} steps: the target cannot be reached"))
+            }
+            Some(Status::Stalled) => {
+                ("stalled", format!("Paused at step {rounds}: rounding ends progress"))
+            }
+            _ => ("converged", format!("Converged after {rounds} steps")),
+        }
+    }
+
+    /// Merging, refitting or seams are wanted another way.
+    pub(in super::super) fn use_cones_anew(&mut self) {
+        if let Some(work) = self.work.as_mut().filter(|work| work.method == Method::Cones) {
+            // The solution is there: this takes one look at it.
+            work.cones.ask_again();
+            self.is_running = true;
+        }
+    }
+
+    /// Brings the cones up to what was painted.
+    pub(in super::super) fn cones_catch_up(&mut self) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Ok(()) };
+        work.pending = Pending::None;
+        let surface = work.document.surface()?;
+        let fields = problem::fields(&work.settings, &work.layers, &work.cones.edits, surface);
+        work.is_settled = false;
+        if work.cones.is_for(&fields) {
+            // Only seams are concerned.
+            self.scene_is_new = true;
+        } else {
+            self.cones_are_due();
+        }
+        Ok(())
+    }
+
+    /// Tells of cones that have changed; their charts follow when there is time.
+    pub(super) fn after_cones_changed(&mut self, events: &mut Vec<Event>) {
+        let Some(work) = &mut self.work else { return };
+        work.is_settled = false;
+        work.follow_target();
+        self.scene_is_new = true;
+        if work.settings.text("choose_by") != "lambda" {
+            events.push(self.parameters());
+        }
+        events.extend(self.cones_event());
+    }
+
+    /// The problem has changed: solve when there is time.
+    pub(in super::super) fn cones_are_due(&mut self) {
+        let Some(work) = self.work.as_mut().filter(|work| work.method == Method::Cones) else {
+            return;
+        };
+        work.cones.has_dropped |= work.cones.edits.changed.take().is_some();
+        work.cones.ask_again();
+        self.is_running = true;
+    }
+
+    pub(in super::super) fn trace_path(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        self.want(Wanted::Path, events)
+    }
+
+    pub(in super::super) fn compare_cones(
+        &mut self,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let work = self.cones_at_work()?;
+        let count = work.cones.set.as_ref().map_or(0, |set| set.cones.len());
+        if count > MOST_COMPARED {
+            return Err(Problem::new(
+                format!("{count} cones are too many to compare."),
+                "Compare with greedy.",
+                format!("Raise λ or merge clusters until there are at most {MOST_COMPARED}."),
+            ));
+        }
+        self.want(Wanted::Comparison, events)
+    }
+
+    fn want(&mut self, wanted: Wanted, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let work = self.cones_at_work()?;
+        work.cones.abandon_path();
+        work.cones.wanted = wanted;
+        // Either needs a solution first.
+        work.cones.is_stale |= !work.cones.is_solved();
+        work.cones.is_held = false;
+        events.push(self.status());
+        Ok(())
+    }
+
+    /// The work, where cones are at work on a surface.
+    pub(super) fn cones_at_work(&mut self) -> Result<&mut Work, Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        work.document.surface()?;
+        if work.method == Method::Cones {
+            Ok(work)
+        } else {
+            Err(Problem::new(
+                "Another method is at work.",
+                "Cones.",
+                "Choose the method Cones first.",
+            ))
+        }
+    }
+
+    /// Solves to the end.
+    pub(in super::super) fn settled_cones(&mut self) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        work.cones.abandon_path();
+        work.cones.is_stale |= !work.cones.is_solved();
+        let mut events = Vec::new();
+        while self.work.as_ref().is_some_and(|work| work.cones.is_stale) {
+            self.cones_round(&mut events)?;
+        }
+        self.late.extend(events);
+        self.is_running = false;
+        Ok(())
+    }
+}
+
+impl Work {
+    /// λ as it was found for another target.
+    fn follow_target(&mut self) {
+        if let Some(flow) = self.cones.flow()
+            && self.settings.text("choose_by") != "lambda"
+            && flow.status() != Status::Running
+        {
+            let [least, most] = PRICES;
+            let lambda = flow.state().lambda.clamp(least, most);
+            self.settings.put("lambda", Value::Number(lambda));
+        }
+    }
+
+    /// The greedy strategy with as many cones beside those that are used, charts included.
+    fn compare(&mut self) -> Result<(), Problem> {
+        let document = self.document.clone();
+        let surface = document.surface()?;
+        let wrong = |error| Problem::solve(&document.name, &error);
+        let cost = self.seam_cost();
+        let Some(set) = &self.cones.set else { return Err(nothing_open()) };
+        let label = match self.cones.edits.changed {
+            Some(_) => "Cones by hand",
+            None => "Optimal cones",
+        };
+        let mut rows = vec![measures::row(label.into(), set)];
+        let count = set.cones.len();
+        let mut layouts = vec![Layout::of_cones(surface, set, &cost, None).map_err(wrong)?];
+        if count > 0 {
+            let greedy = measures::greedy(surface, count).map_err(wrong)?;
+            rows.push(measures::row("Greedy, as many cones".into(), &greedy));
+            layouts.push(Layout::of_cones(surface, &greedy, &cost, None).map_err(wrong)?);
+        }
+        for (row, layout) in rows.iter_mut().zip(&layouts) {
+            let totals = &layout.measures.totals;
+            row.chart_angle = Some(totals.angle_distortion).filter(|x| x.is_finite());
+            row.chart_area = Some(totals.area_distortion).filter(|x| x.is_finite());
+        }
+        self.cones.comparison = rows;
+        Ok(())
+    }
+
+    /// What seams cost at each vertex beyond their length.
+    pub(in super::super) fn seam_cost(&self) -> Vec<f64> {
+        let factor = self.settings.number("seam_hiding");
+        self.layers.penalty.iter().map(|p| factor * p).collect()
+    }
+}

@@ -1,0 +1,144 @@
+//! What is told of cones: the table, and what a person should know.
+
+use std::f64::consts::PI;
+
+use super::super::Session;
+use super::super::message::Event;
+use super::super::method::Method;
+use super::super::text::plural;
+use super::super::work::Work;
+use super::table::{ConeRow, ConeTable};
+use super::{ConeKind, ConeSet, UsedCone, place_of};
+use crate::geometry::SymmetryKind;
+use crate::methods::flow::Status;
+
+impl Session {
+    /// The whole table, while cones are at work.
+    pub(in super::super) fn cones_event(&self) -> Option<Event> {
+        let work = self.work.as_ref().filter(|work| work.method == Method::Cones)?;
+        work.cone_table().map(Event::Cones)
+    }
+}
+
+impl Work {
+    /// What a person should know of the cones.
+    pub(in super::super) fn cones_note(&self) -> Option<String> {
+        let flow = self.cones.flow()?;
+        let set = self.cones.set.as_ref()?;
+        let state = self.cones.optimum.as_ref()?;
+        let is_over = !self.cones.is_stale;
+        let mut notes: Vec<String> = Vec::new();
+        if self.cones.has_dropped {
+            let text = "These cones are the optimum again; Undo brings the changes by hand back.";
+            notes.push(text.into());
+        }
+        if state.is_convex {
+            notes.push(
+                "The surface is convex everywhere: the optimum is its own curvature at every vertex, whatever the cost. \
+                 Limit the angles, exclude places, or add cones by hand and refit their angles."
+                    .into(),
+            );
+        } else if state.cones.is_empty() && set.cones.is_empty() && is_over {
+            let most = flow.lambda_max();
+            notes.push(if most > 0.0 {
+                format!("No cones at this cost: the first appears below λ = {most:.4}.")
+            } else {
+                "The surface is flat already: it needs no cones.".into()
+            });
+        }
+        if is_over && flow.status() == Status::Infeasible {
+            notes.push(format!(
+                "There is no optimum like that: these {} of total angle {:.3} π are as near as it gets.",
+                plural(set.cones.len(), "cone"),
+                set.total_angle / PI
+            ));
+        }
+        if self.cones.edits.changed.is_none()
+            && let Some(change) = set.change
+        {
+            let merged = format!(
+                "{} merged to {}",
+                plural(state.cones.len(), "vertex"),
+                plural(set.count(), "cone")
+            );
+            let what = match (set.count() < state.cones.len(), self.settings.is_on("debias")) {
+                (true, true) => format!("{merged}, angles refitted"),
+                (true, false) => merged,
+                (false, _) => "Angles refitted".into(),
+            };
+            notes.push(format!(
+                "{what}: ∫u² is {:.4} where the optimum has {:.4}, total angle {:.3} π after {:.3} π, u differs by {:.1} % (root mean square).",
+                set.int_u2,
+                state.int_u2,
+                set.total_angle / PI,
+                state.total_angle / PI,
+                100.0 * change
+            ));
+        }
+        (!notes.is_empty()).then(|| notes.join(" "))
+    }
+
+    fn cone_table(&self) -> Option<ConeTable> {
+        let surface = self.document.surface.as_ref()?;
+        let (Some(flow), Some(state), Some(set)) =
+            (self.cones.flow(), &self.cones.optimum, &self.cones.set)
+        else {
+            // After a reset: none are there.
+            let lambda = self.settings.number("lambda");
+            return Some(ConeTable { lambda, ..ConeTable::default() });
+        };
+        let partners = self.partners(set);
+        let row = |(cone, used): (usize, &UsedCone)| ConeRow {
+            cone,
+            vertex: surface.soup_vertices[used.cone.vertex.index()],
+            place: place_of(surface, &used.cone),
+            angle: used.cone.angle,
+            kind: match used.kind {
+                ConeKind::Optimal => "optimal",
+                ConeKind::Merged => "merged",
+                ConeKind::Free => "free",
+                ConeKind::Moved => "moved",
+                ConeKind::Corner => "corner",
+                ConeKind::Fixed => "fixed",
+            },
+            members: used.members,
+            partner: partners[cone],
+        };
+        Some(ConeTable {
+            lambda: state.lambda,
+            lambda_max: flow.lambda_max(),
+            is_edited: self.cones.edits.changed.is_some(),
+            has_placed: !self.cones.edits.placed.is_empty(),
+            raw_count: state.cones.len(),
+            raw_int_u2: state.int_u2,
+            int_u2: set.int_u2,
+            total_angle: set.total_angle,
+            kkt_residual: state.residual,
+            gap: state.gap,
+            cones: set.cones.iter().enumerate().map(row).collect(),
+            note: self.cones_note(),
+        })
+    }
+
+    /// For each cone the other one that a mirror plane that was found maps it to.
+    fn partners(&self, set: &ConeSet) -> Vec<Option<usize>> {
+        let mut partners = vec![None; set.cones.len()];
+        let (Some(symmetries), Some(surface)) = (&self.symmetries, &self.document.surface) else {
+            return partners;
+        };
+        let mirror = symmetries.iter().find(|symmetry| symmetry.kind == SymmetryKind::Mirror);
+        let Some(mirror) = mirror else { return partners };
+        let place = |used: &UsedCone| surface.geometry.positions[used.cone.vertex.index()];
+        // Two edges of the mesh: clusters are merged on either side on their own.
+        let near = 2.0 * surface.geometry.mean_edge_length();
+        for (i, used) in set.cones.iter().enumerate() {
+            let image = mirror.image(place(used));
+            let distance = |j: &usize| (place(&set.cones[*j]) - image).norm();
+            partners[i] = (0..set.cones.len())
+                .filter(|&j| j != i)
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+                .filter(|j| distance(j) < near);
+        }
+        partners
+    }
+}
