@@ -181,7 +181,7 @@ export class EngineClient {
     for (const event of events) {
       if (event.type === "parameters") this.#values = event.values;
       if (event.type === "methods") this.#method = event.current;
-      if (event.type === "cones" && !event.is_edited) this.#edits = [];
+      if (event.type === "cones" && !event.is_edited && !event.has_placed) this.#edits = [];
       if (event.type === "size") this.#size = event;
       if (event.type === "mesh") {
         this.#made = cause;

@@ -330,8 +330,8 @@ fn corners_of_a_polygonal_boundary_are_cones_that_can_be_turned() {
     assert!(errors(&events).is_empty(), "{:?}", errors(&events));
     let after = cones(&events);
     assert!((after.cones[corner.cone].angle - wanted).abs() < 1e-12);
-    // A disk: 2π in all, corners included.
-    assert!((total(&after) - 2.0 * PI).abs() < 1e-9, "{}", total(&after));
+    // Gauss–Bonnet, corners included.
+    assert!((total(&after) - total(&table)).abs() < 1e-9, "{}", total(&after));
     // The same from a file.
     let bytes = session.export("Cones (JSON)").unwrap().bytes;
     let mut other = Session::new();

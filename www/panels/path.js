@@ -131,7 +131,7 @@ export function pathPanel(on) {
     trace.hidden = isTracing || isComplete || !now;
     write(trace, points.length > 1 ? "Trace the rest" : "Trace path");
     if (hadFocus && document.activeElement === document.body && wasPressed) (isTracing ? stop : trace).focus({ preventScroll: true });
-    edited.hidden = !now?.is_edited;
+    edited.hidden = !(now?.is_edited || now?.has_placed);
     note.hidden = !now?.note;
     write(note, now?.note ?? "");
     foot.hidden = edited.hidden && note.hidden;

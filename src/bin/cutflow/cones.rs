@@ -34,7 +34,7 @@ enum Boundary {
 pub struct ConesArgs {
     #[command(flatten)]
     mesh: MeshArgs,
-    /// Price of a radian of cone angle on the surface of unit area: 0.01 if nothing is given. The paper's λ is about 100 times
+    /// Price of a radian of cone angle on the surface of unit area: 0.005 if nothing is given. The paper's λ is about 100 times
     /// this one.
     #[arg(long, value_name = "L", allow_hyphen_values = true)]
     lambda: Option<f64>,

@@ -24,6 +24,7 @@ pub struct PathPoint {
 pub struct ConePath {
     samples: usize,
     least: f64,
+    most_cones: usize,
     /// λ_max, once it is known.
     most: Option<f64>,
     /// Samples that were begun.
@@ -34,8 +35,9 @@ pub struct ConePath {
 }
 
 impl ConePath {
-    /// **Takes** the number of samples (at least 2) and the smallest λ as a fraction of λ_max.
-    pub fn new(samples: usize, least: f64) -> Result<Self, SolveError> {
+    /// **Takes** the number of samples (at least 2), the smallest λ as a fraction of λ_max, and the number of cones beyond which no further
+    /// sample is begun.
+    pub fn new(samples: usize, least: f64, most_cones: usize) -> Result<Self, SolveError> {
         let within = |name, value: f64, min: f64, max: f64| {
             if value >= min && value <= max {
                 Ok(())
@@ -48,6 +50,7 @@ impl ConePath {
         Ok(Self {
             samples,
             least,
+            most_cones,
             most: None,
             begun: 0,
             points: Vec::new(),
@@ -95,7 +98,8 @@ impl ConePath {
                 int_u2: state.int_u2,
             });
         }
-        if most <= 0.0 || self.begun == self.samples {
+        let is_full = self.points.last().is_some_and(|point| point.count > self.most_cones);
+        if most <= 0.0 || self.begun == self.samples || is_full {
             return self.finish(flow);
         }
         let share = self.begun as f64 / (self.samples - 1) as f64;

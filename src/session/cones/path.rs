@@ -10,6 +10,8 @@ use crate::methods::flow::SolveError;
 /// than all before.
 const LOWEST: f64 = 0.02;
 const SAMPLES: usize = 25;
+/// Nor do they go on once so many vertices are cones.
+const MOST_CONES: usize = 150;
 
 /// The sampling that is going on.
 pub struct Tracing {
@@ -20,7 +22,7 @@ impl Cones {
     /// Begins to sample the path.
     pub fn begin_path(&mut self) {
         // Both numbers are within their ranges.
-        self.tracing = ConePath::new(SAMPLES, LOWEST).ok().map(|path| Tracing { path });
+        self.tracing = ConePath::new(SAMPLES, LOWEST, MOST_CONES).ok().map(|path| Tracing { path });
         self.path.clear();
         self.is_path_whole = false;
     }

@@ -20,7 +20,7 @@ fn sparsity() -> Vec<ParamSpec> {
                 ("distortion", "Distortion"),
             ],
             "What is given: the price of angle, or what it should lead to; the price is then found on the path of optima."),
-        number("lambda", "Cone cost", "λ", "", [1e-4, 0.2, 1e-4], 0.01,
+        number("lambda", "Cone cost", "λ", "", [1e-4, 0.2, 1e-4], 0.005,
             "Price of a radian of cone angle against ½∫u² on a surface of unit area. Smaller prices give more cones and less distortion.")
             .group(sparsity).logarithmic().only_if("choose_by", &["lambda"]),
         number("cone_count", "Cones at most", "", "", [0.0, 400.0, 1.0], 8.0,
@@ -53,10 +53,10 @@ fn angles() -> Vec<ParamSpec> {
         number("angle_max", "Largest angle", "", "π", [0.0, 2.0, 0.05], 0.5,
             "No cone has a larger angle; 2 π sets no bound.")
             .group(angles).only_if("bounds", &["custom"]),
-        number("importance", "Importance of painted places", "w_E", "", [1.0, 1000.0, 0.1], 20.0,
+        number("importance", "Painted importance", "w_E", "", [1.0, 1000.0, 0.1], 20.0,
             "How many times distortion counts where importance is painted with the brush.")
             .group(angles).logarithmic(),
-        number("dear_cones", "Cost of painted places", "w_R", "", [1.0, 1000.0, 0.1], 20.0,
+        number("dear_cones", "Painted cone cost", "w_R", "", [1.0, 1000.0, 0.1], 20.0,
             "How many times dearer cones are where their cost is painted, or where they would be seen.")
             .group(angles).logarithmic(),
         number("feature_weight", "Feature weight", "", "", [0.0, 1.0, 0.05], 0.0,

@@ -60,7 +60,7 @@ fn on_the_path_angle_falls_and_distortion_grows_with_the_price() {
         let lambda = price(mesh, geometry, 0.3);
         let mut flow = flow(mesh, geometry, &at(lambda), &ConeFields::default());
         let home = solve(&mut flow).clone();
-        let mut path = ConePath::new(9, 0.02).unwrap();
+        let mut path = ConePath::new(9, 0.02, usize::MAX).unwrap();
         while !path.step(&mut flow).unwrap() {}
         assert_eq!(path.points().len(), 9);
         assert_eq!(flow.state(), &home, "the flow is where it was");
