@@ -198,7 +198,8 @@ fn the_path_over_lambda_falls_in_angle_and_rises_in_distortion() {
             _ => None,
         })
         .unwrap();
-    assert!(is_complete && points.len() > 10);
+    // The torus has hundreds of cones soon, where the path ends.
+    assert!(is_complete && points.len() >= 3, "{}", points.len());
     for pair in points.windows(2) {
         assert!(pair[0].lambda > pair[1].lambda);
         assert!(pair[1].total_angle >= pair[0].total_angle - 1e-9);
@@ -305,7 +306,9 @@ fn what_cannot_be_placed_is_refused_and_leaves_everything_as_it_was() {
     let mut events = session.bring(Brought::Cone { vertex: 30.0, angle: Some(1.0) });
     events.extend(run(&mut session));
     assert!(errors(&events).is_empty(), "{:?}", errors(&events));
-    assert_eq!(cones(&events).cones.len(), 1);
+    // The optimum may add others around it.
+    let fixed = cones(&events).cones.into_iter().find(|cone| cone.kind == "fixed").unwrap();
+    assert_eq!((fixed.vertex, fixed.angle), (30, 1.0));
     assert_eq!(errors(&session.bring(Brought::Cone { vertex: 30.0, angle: None })).len(), 1);
     // Cones of one method are not changed while another one is at work.
     session.handle(Command::SetMethod { id: "cutflow".into() });
