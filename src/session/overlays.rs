@@ -27,7 +27,9 @@ impl Work {
             "cone_cost" => return Ok(layer(&self.layers.cone_cost)),
             "excluded" => return Ok(layer(&self.layers.excluded)),
             "u" if self.method == Method::Cones => {
-                return Ok(self.cones.set.as_ref().map(|set| set.u.clone()));
+                // Without cones on a convex surface it is the chart that has scale factors.
+                let set = self.cones.set.as_ref().filter(|set| set.is_of_cones());
+                return Ok(set.map(|set| set.u.clone()));
             }
             "phi" => return Ok(self.cones.optimum.as_ref().map(|state| state.phi.clone())),
             "regions" => {

@@ -76,6 +76,7 @@ impl Session {
 
     fn cones_round(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         let Some(work) = &mut self.work else { return Ok(()) };
+        let shown = work.cones.pictures;
         let (document, settings, layers) = (&work.document, &work.settings, &work.layers);
         let had_path = work.cones.has_path();
         let result = work.cones.round(document, settings, layers);
@@ -91,7 +92,9 @@ impl Session {
                 return Err(problem);
             }
         }
-        self.after_cones_changed(events);
+        if self.work.as_ref().is_some_and(|work| work.cones.pictures != shown) {
+            self.after_cones_changed(events);
+        }
         Ok(())
     }
 
@@ -100,7 +103,15 @@ impl Session {
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         work.document.surface()?;
         if work.cones.is_stale {
+            let shown = work.cones.pictures;
             self.cones_round(events)?;
+            let work = self.cones_at_work()?;
+            if work.cones.pictures == shown {
+                // Whoever steps wants to see every round.
+                let (document, settings) = (work.document.clone(), work.settings.clone());
+                work.cones.use_cones(document.surface()?, &settings)?;
+                self.after_cones_changed(events);
+            }
         }
         self.cones_pause();
         self.is_running = false;

@@ -36,6 +36,9 @@ pub use report::{ConeReport, ConesReport, RoundedReport};
 pub use specs::specs;
 pub use table::{ConeComparisonRow, ConePathPoint, ConeRow, ConeTable};
 
+/// Rounds of a solution whose results are not shown one by one: merging and measuring them takes longer than they do.
+const SHORT: usize = 8;
+
 /// Cones of a document. Nothing is solved before the method is chosen.
 #[derive(Default)]
 pub struct Cones {
@@ -62,6 +65,8 @@ pub struct Cones {
     pub wanted: Wanted,
     /// Whether changes by hand gave way to another optimum.
     pub has_dropped: bool,
+    /// How often cones were made anew.
+    pub pictures: usize,
     /// Rounds of the present solution.
     pub rounds: usize,
 }
@@ -274,8 +279,11 @@ impl Cones {
             flow.step().map_err(|error| cone_problem(surface, &error))?;
             self.rounds += 1;
         }
-        self.use_cones(surface, settings)?;
         self.is_stale = self.status() == Some(Status::Running);
+        // A slider's move takes a few rounds: only their end is shown, until they take long.
+        if !self.is_stale || !self.is_solved() || self.rounds > SHORT {
+            self.use_cones(surface, settings)?;
+        }
         Ok(!self.is_stale)
     }
 
@@ -288,11 +296,17 @@ impl Cones {
         };
         self.set = Some(set.map_err(|error| cone_problem(surface, &error))?);
         self.optimum = Some(solver.flow.state().clone());
+        self.pictures += 1;
         Ok(())
     }
 }
 
 impl ConeSet {
+    /// Whether the scale factors belong to these cones, and not to the curvature itself.
+    pub fn is_of_cones(&self) -> bool {
+        !self.cones.is_empty() || self.u.iter().any(|u| u.abs() > 0.0)
+    }
+
     /// Cones, corners of the boundary left out.
     pub fn count(&self) -> usize {
         self.cones.iter().filter(|used| used.kind != ConeKind::Corner).count()
