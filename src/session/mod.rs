@@ -365,7 +365,7 @@ impl Session {
             work.revision,
         );
         if let Some(set) = work.cones.set.as_ref().filter(|_| work.method == Method::Cones) {
-            picture::put_cones(&mut scene, surface, layout, set);
+            picture::put_cones(&mut scene, surface, layout, set, folded);
         }
         work.revision += 1;
         Some(scene)

@@ -43,7 +43,7 @@ impl Work {
                 "coarse_mesh",
                 1,
                 format!(
-                    "The mesh is coarse for its curvature: edges span {:.0}° of it, more than {:.0}°, so that cut and measures are rough. \
+                    "The mesh is coarse for its curvature: edges span {:.1}° of it, more than {:.1}°, so that cut and measures are rough. \
                      Refine it under Prepare first, or by the command prepare with --tool refine.",
                     coarseness.to_degrees(),
                     TOO_COARSE.to_degrees()

@@ -202,17 +202,26 @@ fn label_of(id: &str) -> String {
 }
 
 /// Puts cones in, and where they are on the charts.
-pub fn put_cones(scene: &mut Scene, surface: &Surface, layout: &Layout, set: &ConeSet) {
+///
+/// **Takes** other places of the points where the surface is shown folded.
+pub fn put_cones(
+    scene: &mut Scene,
+    surface: &Surface,
+    layout: &Layout,
+    set: &ConeSet,
+    folded: Option<&[Point3<f64>]>,
+) {
     let unit = 1.0 / surface.radius().max(1e-300);
     let mut numbers = vec![u32::MAX; surface.mesh.vertex_count()];
     for (i, used) in set.cones.iter().enumerate() {
-        let place = surface.geometry.positions[used.cone.vertex.index()].coords * unit;
+        // The points of the cut begin with the vertices of the mesh.
+        let places = folded.unwrap_or(&surface.geometry.positions);
+        let place = places[used.cone.vertex.index()].coords * unit;
         scene.cone_points.extend(place.iter().map(|&x| x as f32));
         scene.cone_angles.push(used.cone.angle as f32);
         numbers[used.cone.vertex.index()] = i as u32;
     }
     for (v, &point) in layout.opened.vertex_points.iter().enumerate() {
-        // The points of the cut begin with the vertices of the mesh.
         let cone = numbers.get(point as usize).copied().unwrap_or(u32::MAX);
         let has_place = layout.charts[v].iter().all(|x| x.is_finite());
         if cone != u32::MAX && has_place && layout.opened.mesh.halfedge(VertexId::from(v)).is_some()

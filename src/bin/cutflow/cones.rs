@@ -231,6 +231,7 @@ pub fn run(args: &ConesArgs) -> Result<(), Problem> {
     }
     if args.compare {
         tell(session.handle(Command::CompareCones))?;
+        drive(&mut session)?;
     }
     let report = session.cones_report(Some(seconds))?;
     if !is_quiet {
@@ -285,6 +286,15 @@ fn print(report: &ConesReport) {
     );
     if let Some(note) = &report.note {
         say!("note: {note}");
+    }
+    for point in &report.path {
+        say!(
+            "λ {:.6} {:5} cones  Φ {:8.4} π  ∫u² {:.6}",
+            point.lambda,
+            point.count,
+            point.total_angle / std::f64::consts::PI,
+            point.int_u2
+        );
     }
     for row in &report.comparison {
         say!(

@@ -12,6 +12,9 @@ use super::{ConeKind, ConeSet, UsedCone, place_of};
 use crate::geometry::SymmetryKind;
 use crate::methods::flow::Status;
 
+/// Relative change of u by merging from which there is something to do about it.
+const MUCH: f64 = 0.25;
+
 impl Session {
     /// The whole table, while cones are at work.
     pub(in super::super) fn cones_event(&self) -> Option<Event> {
@@ -66,12 +69,22 @@ impl Work {
                 (true, false) => merged,
                 (false, _) => "Angles refitted".into(),
             };
+            let angles = match (set.total_angle - state.total_angle).abs() > 1e-6 {
+                true => format!(
+                    ", the total angle {:.3} π where it has {:.3} π",
+                    set.total_angle / PI,
+                    state.total_angle / PI
+                ),
+                false => String::new(),
+            };
+            let advice = match change > MUCH && !self.settings.is_on("debias") {
+                true => " That is much: refit the angles, or leave the clusters as they are.",
+                false => "",
+            };
             notes.push(format!(
-                "{what}: ∫u² is {:.4} where the optimum has {:.4}, total angle {:.3} π after {:.3} π, u differs by {:.1} % (root mean square).",
+                "{what}: ∫u² is {:.4} where the optimum has {:.4}{angles}; u differs by {:.1} % (root mean square).{advice}",
                 set.int_u2,
                 state.int_u2,
-                set.total_angle / PI,
-                state.total_angle / PI,
                 100.0 * change
             ));
         }
