@@ -219,7 +219,8 @@ fn the_greedy_baseline_is_worse_at_more_angle_or_more_distortion() {
             _ => None,
         })
         .unwrap();
-    assert_eq!(rows.len(), 2);
+    assert_eq!(rows.len(), 3);
+    assert!(rows[2].int_u2 <= rows[0].int_u2 * (1.0 + 1e-9));
     assert_eq!(rows[0].count, rows[1].count);
     assert!(rows[1].int_u2 > rows[0].int_u2 || rows[1].total_angle > rows[0].total_angle);
     assert!(rows.iter().all(|row| row.chart_angle.is_some_and(|x| x >= 1.0)));

@@ -306,7 +306,7 @@ impl Work {
         }
     }
 
-    /// The greedy strategy with as many cones beside those that are used, charts included.
+    /// The greedy strategy with as many cones beside those that are used, and these with their angles refitted; charts included.
     fn compare(&mut self) -> Result<(), Problem> {
         let document = self.document.clone();
         let surface = document.surface()?;
@@ -314,16 +314,24 @@ impl Work {
         let cost = self.seam_cost();
         let Some(set) = &self.cones.set else { return Err(nothing_open()) };
         let label = match self.cones.edits.changed {
-            Some(_) => "Cones by hand",
-            None => "Optimal cones",
+            Some(_) => "By hand",
+            None => "Optimal",
         };
         let mut rows = vec![measures::row(label.into(), set)];
-        let count = set.cones.len();
+        let (count, used) = (set.count(), set.cones.clone());
         let mut layouts = vec![Layout::of_cones(surface, set, &cost, None).map_err(wrong)?];
         if count > 0 {
             let greedy = measures::greedy(surface, count).map_err(wrong)?;
-            rows.push(measures::row("Greedy, as many cones".into(), &greedy));
+            rows.push(measures::row("Greedy".into(), &greedy));
             layouts.push(Layout::of_cones(surface, &greedy, &cost, None).map_err(wrong)?);
+        }
+        if count > 0
+            && let Some(flow) = self.cones.flow_mut()
+        {
+            // Greedy cones take whatever angle is best where they are: so may these.
+            let fitted = measures::refitted(flow, used).map_err(wrong)?;
+            rows.push(measures::row("Refitted".into(), &fitted));
+            layouts.push(Layout::of_cones(surface, &fitted, &cost, None).map_err(wrong)?);
         }
         for (row, layout) in rows.iter_mut().zip(&layouts) {
             let totals = &layout.measures.totals;

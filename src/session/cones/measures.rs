@@ -95,6 +95,15 @@ pub fn evaluated(flow: &mut ConeFlow, used: Vec<UsedCone>) -> Result<ConeSet, So
     })
 }
 
+/// The same places with the angles that distort least, whatever they add up to.
+pub fn refitted(flow: &mut ConeFlow, mut used: Vec<UsedCone>) -> Result<ConeSet, SolveError> {
+    let cones: Vec<Cone> = used.iter().map(|used| used.cone).collect();
+    let fitted = debias(flow, &cones, &[])?;
+    used.sort_by_key(|used| used.cone.vertex);
+    used.iter_mut().zip(fitted).for_each(|(used, cone)| used.cone = cone);
+    evaluated(flow, used)
+}
+
 /// As many cones by the greedy strategy of older work.
 pub fn greedy(surface: &Surface, count: usize) -> Result<ConeSet, SolveError> {
     let (mesh, geometry) = surface.given_or_mended();
