@@ -734,63 +734,9 @@ impl Session {
         Event::Parameters { method: self.method().id().into(), specs, values }
     }
 
-    fn methods(&self) -> Event {
-        method::event(self.method())
-    }
-
     /// The method at work.
     pub fn method(&self) -> Method {
         self.work.as_ref().map_or(self.wanted_method, |work| work.method)
-    }
-
-    /// Chooses the method, of the mesh that is open and of those to come.
-    fn set_method(&mut self, id: &str, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let Some(method) = Method::from_id(id) else {
-            return Err(Problem::new(
-                format!("There is no method called “{id}”."),
-                "In the choice of a method.",
-                format!("Choose one of {}.", Method::known()),
-            ));
-        };
-        self.wanted_method = method;
-        if self.method() == method {
-            events.push(self.methods());
-            return Ok(());
-        }
-        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
-            self.unfold(events)?;
-        }
-        self.is_running = false;
-        self.remember(&format!("change to {}", method.label().to_lowercase()), "method");
-        let Some(work) = &mut self.work else { return Ok(()) };
-        let field = work.change_method(method, &self.field);
-        self.field = field.unwrap_or_else(|| method.first_field().into());
-        match method {
-            Method::Cones => {
-                work.first_cut_is_due = false;
-                // Parameters and paint may have changed meanwhile: a look at them, and at the seams.
-                work.cones.ask_again();
-                work.is_settled = false;
-            }
-            Method::CutFlow => {
-                work.first_cut_is_due = work.flow.is_none() && work.document.surface.is_some();
-                // The flow has not heard of what was painted meanwhile.
-                work.pending = work.pending.max(Pending::Fields);
-            }
-        }
-        self.scene_is_new = true;
-        events.push(self.methods());
-        events.push(self.parameters());
-        events.push(self.presets());
-        events.push(self.paint_channels());
-        events.push(self.fields());
-        self.push_energy(events);
-        events.extend(self.cones_event());
-        events.extend(self.work.as_ref().map(Work::measures));
-        events.push(self.history_event());
-        events.push(self.status());
-        events.push(Event::Scene);
-        Ok(())
     }
 
     fn history_event(&self) -> Event {
