@@ -139,7 +139,8 @@ export function coneMethod(on) {
       cone_comparison(event) {
         compared = event.rows[0] ?? null;
         comparison.show(event);
-        plot.rivals(event.rows.slice(1));
+        // The refitted angles may lie where the optimum does: they are told in the table only.
+        plot.rivals(event.rows.slice(1, 2));
       },
     },
     /** What stands above the slider of λ, and below all sliders beside it. */

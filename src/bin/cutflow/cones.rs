@@ -7,7 +7,7 @@ use cutflow::session::{
     Brought, Command, ConesReport, Document, Problem, Session, Settings, Value, settings_for,
 };
 
-use super::cut::{assignment, numbers, typed};
+use super::cut::{assignment, bring_layers, typed};
 use super::{
     MeshArgs, Report, clock, make_folder, open, print_flattening, read, tell, warn_of_charts,
     write, write_json, writes_to_stdout,
@@ -179,22 +179,7 @@ fn angle(text: &str, option: &str) -> Result<f64, Problem> {
 
 /// Everything that belongs to the surface and not to the parameters.
 fn bring(session: &mut Session, args: &ConesArgs) -> Result<(), Problem> {
-    for text in &args.paint {
-        let (channel, path) = assignment(text, "--paint")?;
-        let values = numbers(Path::new(path))?;
-        tell(session.bring(Brought::Layer { channel, values: &values }))?;
-    }
-    match args.hide_from[..] {
-        [] => {}
-        [x, y, z] => tell(session.bring(Brought::Eye([x, y, z])))?,
-        _ => {
-            return Err(Problem::new(
-                "A place has three coordinates.",
-                "--hide-from.",
-                "Write x,y,z in units of the file.",
-            ));
-        }
-    }
+    bring_layers(session, &args.paint, &args.hide_from)?;
     for &vertex in &args.free {
         tell(session.bring(Brought::Cone { vertex, angle: None }))?;
     }

@@ -229,7 +229,7 @@ pub fn list_parameters(method: Method) {
 }
 
 /// Numbers of a file, separated by white space.
-pub fn numbers(path: &Path) -> Result<Vec<f64>, Problem> {
+fn numbers(path: &Path) -> Result<Vec<f64>, Problem> {
     let bytes = read(path)?;
     String::from_utf8_lossy(&bytes)
         .split_whitespace()
@@ -245,30 +245,37 @@ pub fn numbers(path: &Path) -> Result<Vec<f64>, Problem> {
         .collect()
 }
 
-/// Everything that belongs to the surface and not to the parameters.
-fn bring(session: &mut Session, args: &CutArgs) -> Result<(), Problem> {
-    for text in &args.paint {
+/// Painted layers, and a place to hide from.
+pub fn bring_layers(
+    session: &mut Session,
+    paint: &[String],
+    hide_from: &[f64],
+) -> Result<(), Problem> {
+    for text in paint {
         let (channel, path) = assignment(text, "--paint")?;
         let values = numbers(Path::new(path))?;
         tell(session.bring(Brought::Layer { channel, values: &values }))?;
     }
+    match *hide_from {
+        [] => Ok(()),
+        [x, y, z] => tell(session.bring(Brought::Eye([x, y, z]))),
+        _ => Err(Problem::new(
+            "A place has three coordinates.",
+            "--hide-from.",
+            "Write x,y,z in units of the file.",
+        )),
+    }
+}
+
+/// Everything that belongs to the surface and not to the parameters.
+fn bring(session: &mut Session, args: &CutArgs) -> Result<(), Problem> {
     if !args.seeds.is_empty() {
         tell(session.bring(Brought::Seeds(&args.seeds)))?;
     }
     if let Some(init) = args.init.as_deref().filter(|init| !INITS.contains(init)) {
         tell(session.bring(Brought::Cut { name: init, bytes: &read(Path::new(init))? }))?;
     }
-    match args.hide_from[..] {
-        [] => {}
-        [x, y, z] => tell(session.bring(Brought::Eye([x, y, z])))?,
-        _ => {
-            return Err(Problem::new(
-                "A place has three coordinates.",
-                "--hide-from.",
-                "Write x,y,z in units of the file.",
-            ));
-        }
-    }
+    bring_layers(session, &args.paint, &args.hide_from)?;
     if !args.symmetry.is_empty() {
         tell(session.handle(Command::FindSymmetries))?;
         let found = session.symmetry_choices();
