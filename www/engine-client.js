@@ -41,6 +41,8 @@ export class EngineClient {
   /** Edits of the cones that are in force. */
   #edits = [];
   #size = null;
+  /** The last time that a slider was taken hold of. */
+  #hold = null;
 
   /**
    * @param on `events(list, spent)`, `scene(scene)`, `restarted(sentence, hasDocument)`, `failed(reason)`
@@ -83,6 +85,16 @@ export class EngineClient {
     const isBusy = this.#latest.has(id);
     this.#latest.set(id, value);
     if (!isBusy) this.#sendLatest(id);
+  }
+
+  /** A slider is held. Gives what to call when it is let go: its last value goes before the engine hears of that. */
+  hold() {
+    const hold = (this.#hold = {});
+    this.command({ type: "hold", is_held: true });
+    return async () => {
+      while (this.#latest.size > 0) await nextFrame();
+      if (this.#hold === hold) this.command({ type: "hold", is_held: false });
+    };
   }
 
   async #sendLatest(id) {

@@ -112,6 +112,17 @@ const cones = coneMethod({
   facts: (text) => status.figures(text),
 });
 const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), { Symmetry: symmetry.node, Sparsity: cones.foot }, { lambda: cones.path });
+// While a slider is held, the engine keeps itself free for its next move.
+byId("settings").addEventListener("pointerdown", ({ target }) => {
+  if (!target.matches("input[type=range]")) return;
+  const letGo = client.hold();
+  const over = new AbortController();
+  const end = () => {
+    over.abort();
+    letGo();
+  };
+  for (const event of ["pointerup", "pointercancel", "blur"]) addEventListener(event, end, { signal: over.signal });
+});
 const presets = presetsPanel(
   byId("presets"),
   (id) => changing("Setting the preset", { type: "apply_preset", id }),

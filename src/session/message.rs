@@ -22,6 +22,11 @@ pub enum Command {
         /// Number, text or truth value, as its kind asks.
         value: Value,
     },
+    /// A control is held, or let go: what would make its next move wait is put off meanwhile.
+    Hold {
+        /// Whether it is held.
+        is_held: bool,
+    },
     /// Steps until the flow ends or is paused.
     Run,
     /// Stops stepping.

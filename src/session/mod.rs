@@ -88,6 +88,8 @@ pub struct Session {
     late: Vec<Event>,
     /// The method of the next mesh.
     wanted_method: Method,
+    /// Whether a control is held.
+    is_held: bool,
 }
 
 impl Session {
@@ -116,6 +118,10 @@ impl Session {
             }
             Command::OpenSample { name } => self.adopt(Document::from_sample(&name), &mut events),
             Command::SetParameter { id, value } => self.set_parameter(&id, value, &mut events),
+            Command::Hold { is_held } => {
+                self.is_held = is_held;
+                Ok(())
+            }
             Command::Run => self.run(&mut events),
             Command::Pause => self.pause(&mut events),
             Command::Step => self.step(&mut events),
@@ -798,6 +804,7 @@ fn goes_along_with_preparing(command: &Command) -> bool {
             | Command::ShowField { .. }
             | Command::ShowFinding { .. }
             | Command::SetParameter { .. }
+            | Command::Hold { .. }
             | Command::SetUnit { .. }
             | Command::SetSize { .. }
             | Command::DismissError

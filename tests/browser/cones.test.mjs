@@ -34,12 +34,21 @@ for (const renderer of RENDERERS) {
       await browser.page.addInitScript(() => {
         window.sent = [];
         window.mostOpen = 0;
+        window.waits = [];
+        let asked = 0;
+        const answered = ({ data }) => {
+          if (asked === 0 || !data.events?.some(({ type }) => type === "cones")) return;
+          window.waits.push(performance.now() - asked);
+          asked = 0;
+        };
         const open = new Set();
         const post = Worker.prototype.postMessage;
         Worker.prototype.postMessage = function (message, ...rest) {
           if (message.type === "command") {
             window.sent.push(message.command);
             if (message.command.type === "set_parameter") {
+              asked = performance.now();
+              this.addEventListener("message", answered);
               if (open.size === 0) this.addEventListener("message", ({ data }) => data.type === "reply" && open.delete(data.id));
               open.add(message.id);
               window.mostOpen = Math.max(window.mostOpen, open.size);
@@ -57,7 +66,7 @@ for (const renderer of RENDERERS) {
     const table = () => browser.page.getByRole("table", { name: "Cones" });
     const rows = () => table().locator("tbody tr").count();
     const sent = (type) => browser.page.evaluate((type) => window.sent.filter((command) => command.type === type), type);
-    const forget = () => browser.page.evaluate(() => void ([window.sent, window.mostOpen] = [[], 0]));
+    const forget = () => browser.page.evaluate(() => void ([window.sent, window.mostOpen, window.waits] = [[], 0, []]));
     const slider = () => browser.page.locator("#settings .path + .param input[type=range]");
     const angles = () => table().getByLabel(/^Angle of cone \d+$/);
     /** How many cones are marked as fixed by hand; where there is one more or less, the optimum may have other cones as well. */
@@ -132,6 +141,10 @@ for (const renderer of RENDERERS) {
       const asked = await sent("set_parameter");
       assert.ok(asked.length >= 2 && asked.every(({ id }) => id === "lambda"), JSON.stringify(asked));
       assert.equal(await browser.page.evaluate(() => window.mostOpen), 1, "a question waits for the answer before it");
+      await page.until("the slider is let go", () => sent("hold"), (holds) => holds.length === 2);
+      assert.deepEqual((await sent("hold")).map((command) => command.is_held), [true, false]);
+      const waits = (await browser.page.evaluate(() => window.waits)).sort((a, b) => a - b);
+      console.log(`# ${renderer.name}: cones follow the slider after ${Math.round(waits[waits.length >> 1])} ms (median of ${waits.length})`);
       await page.press("Undo");
       await page.until("the cones from before", restRaw, (now) => now === before && now !== count);
     });

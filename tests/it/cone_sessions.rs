@@ -81,6 +81,23 @@ fn a_cheaper_angle_brings_more_cones_and_undo_takes_them_back() {
 }
 
 #[test]
+fn a_held_slider_moves_cones_and_makes_charts_when_it_is_let_go() {
+    let (mut session, events) = solved("plush_bear");
+    let before = cones(&events).cones.len();
+    let cut_length = measure(&events, "Cut length");
+    session.handle(Command::Hold { is_held: true });
+    let mut events = set(&mut session, "lambda", Value::Number(0.003));
+    events.extend(run(&mut session));
+    assert!(cones(&events).cones.len() > before);
+    assert!(!events.iter().any(|event| matches!(event, Event::Measures { .. })), "no new charts");
+    assert!(status(&events).starts_with("Converged after"), "{}", status(&events));
+    session.handle(Command::Hold { is_held: false });
+    assert!(session.is_running(), "charts are due");
+    let events = run(&mut session);
+    assert!(measure(&events, "Cut length") > cut_length);
+}
+
+#[test]
 fn cones_can_be_chosen_by_their_number_by_total_angle_and_by_distortion() {
     let (mut session, events) = solved("plush_bear");
     let start = cones(&events);

@@ -83,8 +83,9 @@ pub fn debias(
     let prices = std::mem::replace(&mut problem.prices, vec![0.0; dofs]);
     std::mem::swap(&mut problem.low, &mut low);
     std::mem::swap(&mut problem.high, &mut high);
+    let mut response = flow.response.clone();
     for _ in 0..ROUNDS {
-        let response = problem.system.respond(&set.angles, true);
+        response = problem.exact_response(&set.angles, &response);
         let phi = greens::shifted(problem, &set, &response);
         let size = phi.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let tolerance = TOLERANCE * size;

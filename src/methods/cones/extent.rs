@@ -22,7 +22,7 @@ pub(super) fn estimate(problem: &mut Problem, phi: &[f64]) -> Vec<f64> {
                 if component.is_floating { component.total * mass / component.mass } else { 0.0 }
             })
             .collect();
-        let response = problem.system.respond(&even, false);
+        let response = problem.system.respond(&even);
         for i in 0..n {
             if must_have(part[i]) {
                 phi[i] = response.phi[i];

@@ -79,6 +79,7 @@ pub struct ConeCheckpoint {
     lambda_max: Vec<f64>,
     /// Steps of the coarse stage, if it was under way.
     coarse_steps: Option<usize>,
+    response: Response,
 }
 
 impl ConeFlow {
@@ -96,7 +97,7 @@ impl ConeFlow {
         let mut problem = Problem::new(mesh, geometry, params, fields)?;
         let dictionary = Dictionary::new(problem.system.len());
         let set = problem.start.clone();
-        let (response, certificate) = problem.assess(&set, false);
+        let (response, certificate) = problem.assess(&set);
         if !certificate.objective.is_finite() {
             return Err(SolveError::NotFinite);
         }
@@ -212,7 +213,7 @@ impl ConeFlow {
         let steps = self.progress.steps;
         self.progress = Progress { steps, ..Progress::new(self.problem.start.clone()) };
         let set = &self.progress.set;
-        (self.response, self.certificate) = self.problem.assess(set, false);
+        (self.response, self.certificate) = self.problem.assess(set);
         self.lambda_max = extent::estimate(&mut self.problem, &self.response.phi);
         self.picture();
         Ok(())
@@ -251,6 +252,7 @@ impl ConeFlow {
             history: self.dictionary.history(),
             lambda_max: self.lambda_max.clone(),
             coarse_steps: self.coarse.as_ref().map(|coarse| coarse.steps),
+            response: self.response.clone(),
         }
     }
 
@@ -276,7 +278,8 @@ impl ConeFlow {
         self.progress = checkpoint.progress.clone();
         self.lambda_max.clone_from(&checkpoint.lambda_max);
         let set = &self.progress.set;
-        (self.response, self.certificate) = self.problem.assess(set, self.progress.is_refined);
+        self.response.clone_from(&checkpoint.response);
+        self.certificate = super::certificate::certify(&mut self.problem, set, &self.response);
         self.picture();
     }
 
@@ -325,7 +328,7 @@ impl ConeFlow {
                 );
             }
         }
-        let response = self.problem.system.respond(&angles, true);
+        let response = self.problem.exact_response(&angles, &self.response);
         let total_angle =
             angles.iter().zip(&self.problem.is_inside).filter(|p| *p.1).map(|p| p.0.abs()).sum();
         let u: Vec<f64> = response.u.iter().map(|u| -u).collect();

@@ -14,6 +14,7 @@
     reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
 )]
 
+use super::certificate::certify;
 use super::greens::entering;
 use super::problem::{ActiveSet, Problem, Stance};
 use super::two_ring::TwoRing;
@@ -217,15 +218,17 @@ impl Descent {
     ) -> ActiveSet {
         let n = self.phi.len();
         let mut best = (f64::INFINITY, set.clone());
+        let mut response = problem.system.respond(&set.angles);
         for _ in 0..4 {
-            let (response, certificate) = problem.assess(&set, true);
+            response = problem.exact_response(&set.angles, &response);
+            let certificate = certify(problem, &set, &response);
             if certificate.support < best.0 {
                 best = (certificate.support, set.clone());
             }
             if certificate.support < 1e-12 {
                 break;
             }
-            let mut phi = response.phi;
+            let mut phi = response.phi.clone();
             problem.shift(&set, &mut phi);
             // A change of φ that is what is missing at free angles and takes no angle elsewhere.
             let mut change = vec![0.0; n];

@@ -16,6 +16,9 @@ use crate::geometry::Geometry;
 use crate::mesh::{Mesh, VertexId};
 use crate::methods::flow::SolveError;
 
+/// Change of u, relative to u, whose errors are nobody's business: a solve leaves 1e-12 of it or less.
+const SMALL: f64 = 0.1;
+
 /// How an angle stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Stance {
@@ -384,9 +387,22 @@ impl Problem {
     }
 
     /// Response and certificate of a set of angles.
-    pub fn assess(&mut self, set: &ActiveSet, is_refined: bool) -> (Response, Certificate) {
-        let response = self.system.respond(&set.angles, is_refined);
+    pub fn assess(&mut self, set: &ActiveSet) -> (Response, Certificate) {
+        let response = self.system.respond(&set.angles);
         let certificate = certify(self, set, &response);
         (response, certificate)
+    }
+
+    /// The same from the response to angles before; says whether the change was so small that nothing is left to refine.
+    pub fn reassess(&mut self, set: &ActiveSet, old: &Response) -> (Response, Certificate, bool) {
+        let (response, change) = self.system.follow(&set.angles, old);
+        let certificate = certify(self, set, &response);
+        (response, certificate, change < SMALL)
+    }
+
+    /// Response of any angles, refined.
+    pub fn exact_response(&mut self, angles: &[f64], old: &Response) -> Response {
+        let (response, change) = self.system.follow(angles, old);
+        if change < SMALL { response } else { self.system.follow(angles, &response).0 }
     }
 }

@@ -1,6 +1,6 @@
 //! What one step does: a round over Green's functions, a Newton step, or a step on the coarse surface.
 
-use super::certificate::Certificate;
+use super::certificate::{Certificate, certify};
 use super::coarse::Stage;
 use super::extent;
 use super::flow::ConeFlow;
@@ -69,7 +69,7 @@ impl ConeFlow {
         }
         self.dictionary.add(&mut self.problem, &missing);
         let settled = greens::settle(&self.problem, &self.dictionary, &mut set, &phi, tolerance);
-        let (response, certificate) = self.problem.assess(&set, false);
+        let (response, certificate, is_refined) = self.problem.reassess(&set, &self.response);
         if !certificate.objective.is_finite() {
             return Err(SolveError::NotFinite);
         }
@@ -81,6 +81,7 @@ impl ConeFlow {
         self.progress.is_stuck = is_still && entered > 1;
         self.progress.is_settled = settled.is_done;
         self.accept(set, response, certificate);
+        self.progress.is_refined = is_refined;
         Ok(())
     }
 
@@ -92,7 +93,7 @@ impl ConeFlow {
             self.coarse = None;
             self.progress.is_fine = true;
             if let Some(set) = start {
-                let (response, certificate) = self.problem.assess(&set, false);
+                let (response, certificate) = self.problem.assess(&set);
                 if certificate.objective < self.certificate.objective {
                     self.progress.is_warm = true;
                     self.progress.is_settled = set.order.is_empty();
@@ -162,7 +163,7 @@ impl ConeFlow {
             Outcome::Guess(mut set) => {
                 *descent = trial;
                 if self.problem.repair(&mut set) {
-                    let (response, certificate) = self.problem.assess(&set, false);
+                    let (response, certificate) = self.problem.assess(&set);
                     if certificate.objective < self.certificate.objective {
                         self.accept(set, response, certificate);
                     }
@@ -170,7 +171,8 @@ impl ConeFlow {
             }
             Outcome::Optimum(set) => {
                 progress.descent = None;
-                let (response, certificate) = self.problem.assess(&set, true);
+                let response = self.problem.exact_response(&set.angles, &self.response);
+                let certificate = certify(&mut self.problem, &set, &response);
                 self.accept(set, response, certificate);
                 self.progress.is_refined = true;
                 self.progress.is_settled = true;
@@ -196,7 +198,7 @@ impl ConeFlow {
     pub(super) fn polish(&mut self) -> Result<(), SolveError> {
         if !self.progress.is_refined {
             let set = &self.progress.set;
-            (self.response, self.certificate) = self.problem.assess(set, true);
+            (self.response, self.certificate, _) = self.problem.reassess(set, &self.response);
             self.progress.is_refined = true;
             if self.certificate.violation > TOLERANCE && self.progress.polished < 3 {
                 self.progress.polished += 1;

@@ -370,74 +370,80 @@ impl System {
         f
     }
 
-    /// u and φ of the angles `mu`, with one step of iterative refinement if `is_refined`.
+    /// u and φ of the angles `mu`.
     ///
-    /// **Takes** angles that add up to `total` on every floating component, up to rounding.
-    pub fn respond(&mut self, mu: &[f64], is_refined: bool) -> Response {
-        let n = self.len();
-        let mut f: Vec<f64> = self.curvatures.iter().zip(mu).map(|(k, m)| k - m).collect();
-        let mut response = Response { u: vec![0.0; self.mass.len()], phi: vec![0.0; n] };
-        if self.row_count == 0 {
-            return response;
-        }
-        self.balance(&mut f);
-        let rounds = if is_refined { 2 } else { 1 };
-        if let Kind::TwoRing(_) = self.kind {
-            // B's condition is the square of L's, and M⁻¹ L φ loses as many digits again: u and φ are refined side by side, for
-            // L u = f and L φ = M u.
-            let Response { mut u, mut phi } = response;
-            let (mut rest, mut change) = (vec![0.0; n], vec![0.0; u.len()]);
-            let mut off = vec![0.0; n];
-            for _ in 0..rounds + 1 {
-                self.curvature_of(&u, &mut rest);
-                self.scale_of(&phi, &mut change);
-                let miss: Vec<f64> = u.iter().zip(&change).map(|(u, c)| u - c).collect();
-                self.curvature_of(&miss, &mut off);
-                for i in 0..n {
-                    rest[i] = f[i] - rest[i] + off[i];
-                }
-                self.duals(&mut rest, 1);
-                self.scale_of(&rest, &mut change);
-                for v in 0..u.len() {
-                    u[v] += change[v] - miss[v];
-                }
-                phi.iter_mut().zip(&rest).for_each(|(p, d)| *p += d);
-            }
-            return Response { u, phi };
-        }
-        let mut u = vec![0.0; n];
-        self.refined(&f, &mut u, rounds);
-        self.centre(&mut u);
-        for (i, value) in u.iter().enumerate() {
-            let v = self.dofs[i] as usize;
-            response.u[v] = *value;
-            f[i] = value * self.mass[v];
-        }
-        let mut phi = std::mem::take(&mut response.phi);
-        self.refined(&f, &mut phi, rounds);
-        self.centre(&mut phi);
-        response.phi = phi;
-        response
+    /// **Takes** angles that add up to `total` on every floating component, up to rounding. **Costs** two solves where L is factored,
+    /// two with the larger factor where B is.
+    pub fn respond(&mut self, mu: &[f64]) -> Response {
+        let nothing = Response { u: vec![0.0; self.mass.len()], phi: vec![0.0; self.len()] };
+        self.follow(mu, &nothing).0
     }
 
-    /// Solves L_DD x = f and then for what is left over.
-    fn refined(&mut self, f: &[f64], x: &mut [f64], rounds: usize) {
-        let mut rest = f.to_vec();
-        for round in 0..rounds {
-            if round > 0 {
-                let mut full = vec![0.0; self.mass.len()];
-                for (&v, &value) in self.dofs.iter().zip(x.iter()) {
-                    full[v as usize] = value;
-                }
-                self.curvature_of(&full, &mut rest);
-                for (r, f) in rest.iter_mut().zip(f) {
-                    *r = f - *r;
-                }
+    /// The same from the response to other angles, and how much had to change: ‖change of u‖ / ‖u‖.
+    ///
+    /// Solves for what is left over, which is a step of iterative refinement when the angles are the same. Errors are those of the
+    /// change, so that none add up.
+    pub fn follow(&mut self, mu: &[f64], old: &Response) -> (Response, f64) {
+        let n = self.len();
+        let mut response = old.clone();
+        if self.row_count == 0 {
+            return (response, 0.0);
+        }
+        let mut f: Vec<f64> = self.curvatures.iter().zip(mu).map(|(k, m)| k - m).collect();
+        self.balance(&mut f);
+        let Response { u, phi } = &mut response;
+        if let Kind::TwoRing(_) = self.kind {
+            self.refine_both(&f, u, phi);
+        } else {
+            let mut rest = vec![0.0; n];
+            self.curvature_of(u, &mut rest);
+            rest.iter_mut().zip(&f).for_each(|(r, f)| *r = f - *r);
+            self.poisson(&mut rest, 1);
+            let mut inner: Vec<f64> =
+                rest.iter().zip(&self.dofs).map(|(d, &v)| u[v as usize] + d).collect();
+            self.centre(&mut inner);
+            let mut full = vec![0.0; u.len()];
+            for ((&v, value), &dual) in self.dofs.iter().zip(&inner).zip(phi.iter()) {
+                u[v as usize] = *value;
+                full[v as usize] = dual;
+            }
+            self.curvature_of(&full, &mut rest);
+            for (i, rest) in rest.iter_mut().enumerate() {
+                *rest = inner[i] * self.mass[self.dofs[i] as usize] - *rest;
             }
             self.poisson(&mut rest, 1);
-            for (x, d) in x.iter_mut().zip(&rest) {
-                *x += d;
+            phi.iter_mut().zip(&rest).for_each(|(p, d)| *p += d);
+            self.centre(phi);
+        }
+        let square = |u: &mut dyn Iterator<Item = f64>| -> f64 {
+            u.zip(&self.mass).map(|(u, m)| m * u * u).sum()
+        };
+        let size = square(&mut response.u.iter().copied());
+        let change = square(&mut response.u.iter().zip(&old.u).map(|(new, old)| new - old));
+        let share = if change > 0.0 { (change / size).sqrt() } else { 0.0 };
+        (response, share)
+    }
+
+    /// L u = f and L φ = M u side by side, where B is factored: its condition is the square of L's, and M⁻¹ L φ loses as many digits
+    /// again.
+    fn refine_both(&mut self, f: &[f64], u: &mut [f64], phi: &mut [f64]) {
+        let n = self.len();
+        let (mut rest, mut change) = (vec![0.0; n], vec![0.0; u.len()]);
+        let mut off = vec![0.0; n];
+        for _ in 0..2 {
+            self.curvature_of(u, &mut rest);
+            self.scale_of(phi, &mut change);
+            let miss: Vec<f64> = u.iter().zip(&change).map(|(u, c)| u - c).collect();
+            self.curvature_of(&miss, &mut off);
+            for i in 0..n {
+                rest[i] = f[i] - rest[i] + off[i];
             }
+            self.duals(&mut rest, 1);
+            self.scale_of(&rest, &mut change);
+            for v in 0..u.len() {
+                u[v] += change[v] - miss[v];
+            }
+            phi.iter_mut().zip(&rest).for_each(|(p, d)| *p += d);
         }
     }
 }

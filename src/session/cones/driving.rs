@@ -24,8 +24,14 @@ impl Session {
                 && work.document.surface.is_some()
                 && (cones.is_due()
                     || cones.tracing.is_some()
-                    || (cones.is_solved() && (!work.is_settled || cones.wanted != Wanted::Nothing)))
+                    || (cones.is_solved()
+                        && (self.is_settling_due(work) || cones.wanted != Wanted::Nothing)))
         })
+    }
+
+    /// Whether charts are to be made. While a slider is held the next move comes soon, and would wait for them.
+    fn is_settling_due(&self, work: &Work) -> bool {
+        !work.is_settled && !self.is_held
     }
 
     /// One bounded piece of that.
@@ -33,11 +39,10 @@ impl Session {
         &mut self,
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
-        let Some(work) = &mut self.work else { return Ok(()) };
-        if work.cones.is_due() {
+        if self.work.as_ref().is_some_and(|work| work.cones.is_due()) {
             return self.cones_round(events);
         }
-        if !work.is_settled {
+        if self.work.as_ref().is_some_and(|work| self.is_settling_due(work)) {
             self.settle(events);
             // What cannot be flattened is not tried again and again.
             if let Some(work) = &mut self.work {
@@ -45,6 +50,7 @@ impl Session {
             }
             return Ok(());
         }
+        let Some(work) = &mut self.work else { return Ok(()) };
         match std::mem::take(&mut work.cones.wanted) {
             Wanted::Path => {
                 work.cones.begin_path();
