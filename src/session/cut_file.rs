@@ -2,7 +2,9 @@
 
 use serde::Deserialize;
 
+use super::charting::Charting;
 use super::layout::Layout;
+use super::refining::Refinement;
 use super::surface::Surface;
 use super::text::Problem;
 use crate::mesh::{CutMesh, VertexId};
@@ -96,14 +98,20 @@ pub fn cut_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<CutM
     Ok(labelled_cut(&surface.mesh, &surface.geometry, &labels, place))
 }
 
-/// Flattens a surface along a cut, or along cuts to disks only. **Gives** the layout and the bytes of `uv.obj`.
+/// Flattens a surface along a cut, or along cuts to disks only. **Takes** what to even out: `none`, `dirichlet` or `arap`.
+/// **Gives** the layout and the bytes of `uv.obj`.
 pub fn surface_layout(
     surface: &Surface,
     cut: Option<CutMesh>,
+    charting: &Charting,
+    refine: &str,
 ) -> Result<(Layout, Vec<u8>), Problem> {
     let cut = cut.unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
-    let layout =
-        Layout::full(surface, cut, None).map_err(|error| Problem::solve(&surface.name, &error))?;
+    let mut layout = Layout::full(surface, cut, charting, None)
+        .map_err(|error| error.problem(&surface.name))?;
+    if let Some(mut refinement) = Refinement::begin(surface, &layout, refine, &[])? {
+        refinement.finish(surface, &mut layout)?;
+    }
     let bytes =
         pattern::uv_obj(&layout.surface(surface, None), &layout.charts, 1.0 / surface.frame.scale);
     Ok((layout, bytes))

@@ -6,9 +6,11 @@ use std::collections::BTreeMap;
 use nalgebra::Point3;
 
 use super::cones::ConeSet;
+use super::report::RefinedReport;
 use super::surface::Surface;
 use super::text::plural;
-use crate::flatten::{Flattening, Measures, Packing, bff, bff_scaled, bff_with, measure, measures};
+use super::charting::{ChartError, Charted, Charting, ConeMetric, Made, Patches, measure_opened};
+use crate::flatten::{Flattening, Measures, Packing, bff_with, measure, measures};
 use crate::geometry::Geometry;
 use crate::linalg::Factor;
 use crate::mesh::{CutMesh, HalfedgeId, Mesh, OpenedMesh};
@@ -42,6 +44,10 @@ pub struct Layout {
     pub overlaps_across: usize,
     /// Length of the cuts added to make disks.
     pub disk_cut_length: f64,
+    /// How the charts came about.
+    pub made: Made,
+    /// What evening them out did.
+    pub refined: Option<RefinedReport>,
     /// Patch of every opened vertex.
     pub vertex_patches: Vec<u32>,
     /// What a person should know of how the cut was finished.
@@ -57,6 +63,8 @@ pub struct Finish<'a> {
     pub snap: bool,
     /// How firmly vertices hold the cut beside them; empty for not at all.
     pub pins: &'a [f64],
+    /// How charts are made.
+    pub charting: Charting,
 }
 
 impl Layout {
@@ -64,11 +72,12 @@ impl Layout {
     pub fn full(
         surface: &Surface,
         mut cut: CutMesh,
+        charting: &Charting,
         previous: Option<&Packing>,
-    ) -> Result<Self, SolveError> {
+    ) -> Result<Self, ChartError> {
         let points = place(surface, &cut);
         let disks = cut_to_disks(&mut cut, &points)?;
-        Self::whole(surface, cut, points, disks.opened, disks.length, previous)
+        Self::whole(surface, cut, points, disks.opened, disks.length, charting, previous)
     }
 
     /// Flattens a cut at rest: finished, with its patches cut to disks.
@@ -79,11 +88,12 @@ impl Layout {
         cut: CutMesh,
         finish: &Finish,
         previous: Option<&Packing>,
-    ) -> Result<Self, SolveError> {
+    ) -> Result<Self, ChartError> {
         let (mesh, geometry) = (&surface.mesh, &surface.geometry);
+        let charting = &finish.charting;
         if finish.snap && !cut.cut_edges.is_empty() {
             let snapped = snap_to_edges(mesh, geometry, &cut)?;
-            let mut result = Self::full(surface, snapped.cut, previous)?;
+            let mut result = Self::full(surface, snapped.cut, charting, previous)?;
             if !snapped.lost.is_empty() {
                 result.notice = Some(format!(
                     "Snapping to mesh edges lost {}: {} too narrow for the triangles there.",
@@ -96,7 +106,7 @@ impl Layout {
             return Ok(result);
         }
         if !finish.straighten {
-            return Self::full(surface, cut, previous);
+            return Self::full(surface, cut, charting, previous);
         }
         let mut rough = cut.clone();
         let held = rough.cut_edges.len();
@@ -104,9 +114,10 @@ impl Layout {
         let disks = cut_to_disks(&mut rough, &points)?;
         let params = StraightenParams::default();
         let straight = finish_cut(mesh, geometry, &rough, held, &params, finish.pins)?;
-        let as_it_was = |rough, points, notice| -> Result<Self, SolveError> {
-            let whole = Self::whole(surface, rough, points, disks.opened, disks.length, previous)?;
-            Ok(Self { notice, ..whole })
+        let as_it_was = |rough, points, notice: Option<String>| -> Result<Self, ChartError> {
+            let (opened, length) = (disks.opened, disks.length);
+            let whole = Self::whole(surface, rough, points, opened, length, charting, previous)?;
+            Ok(Self { notice: notice.or(whole.notice), ..whole })
         };
         if let Some(reason) = straight.unchanged {
             let notice = (reason != Unchanged::NoCut)
@@ -116,10 +127,11 @@ impl Layout {
         let straight_points = place(surface, &straight.cut);
         let length = length_of(&straight.cut.cut_edges[straight.free_from..], &straight_points);
         let opened = straight.cut.open()?;
-        let result = Self::whole(surface, straight.cut, straight_points, opened, length, previous)?;
-        if result.measures.totals.flipped > 0 {
+        let result =
+            Self::whole(surface, straight.cut, straight_points, opened, length, charting, previous)?;
+        if result.flips() > 0 {
             let before = as_it_was(rough, points, None)?;
-            if before.measures.totals.flipped < result.measures.totals.flipped {
+            if before.flips() < result.flips() {
                 return Ok(before);
             }
         }
@@ -133,17 +145,16 @@ impl Layout {
         surface: &Surface,
         set: &ConeSet,
         seam_cost: &[f64],
+        charting: &Charting,
         previous: Option<&Packing>,
-    ) -> Result<Self, SolveError> {
+    ) -> Result<Self, ChartError> {
         let (mesh, geometry) = (&surface.mesh, &surface.geometry);
         let seams = cut_through(mesh, geometry, &set.vertices(), seam_cost)?;
         let points = place(surface, &seams.cut);
-        let measured = measure_opened(&seams.opened, &points);
-        let rim_u: Vec<f64> =
-            seams.opened.vertex_points.iter().map(|&p| set.u[p as usize]).collect();
-        let flattening = bff_scaled(&seams.opened, &measured, &rim_u)?;
-        let (cut, opened) = (seams.cut, seams.opened);
-        Ok(Self::new(surface, cut, points, opened, measured, flattening, 0.0, previous))
+        let patches = Patches { mesh, cut: seams.cut, points, opened: seams.opened, seam_cost };
+        let cones = set.cones.iter().map(|used| used.cone).collect();
+        let charted = patches.chart(charting, Some(&ConeMetric { cones, u: &set.u }))?;
+        Ok(Self::new(surface, charted, 0.0, previous))
     }
 
     fn whole(
@@ -152,11 +163,11 @@ impl Layout {
         points: Vec<Point3<f64>>,
         opened: OpenedMesh,
         disk_cut_length: f64,
+        charting: &Charting,
         previous: Option<&Packing>,
-    ) -> Result<Self, SolveError> {
-        let geometry = measure_opened(&opened, &points);
-        let flattening = bff(&opened, &geometry)?;
-        Ok(Self::new(surface, cut, points, opened, geometry, flattening, disk_cut_length, previous))
+    ) -> Result<Self, ChartError> {
+        let patches = Patches { mesh: &surface.mesh, cut, points, opened, seam_cost: &[] };
+        Ok(Self::new(surface, patches.chart(charting, None)?, disk_cut_length, previous))
     }
 
     /// Flattens the disks of a running flow with the factor that it has; other patches wait for their charts.
@@ -170,25 +181,24 @@ impl Layout {
         let opened = cut.open()?;
         let geometry = measure_opened(&opened, &points);
         let flattening = bff_with(&opened, &geometry, factor)?;
-        Ok(Self::new(surface, cut, points, opened, geometry, flattening, 0.0, previous))
+        let made = Made { method: "bff", ..Made::default() };
+        let charted = Charted { cut, points, opened, geometry, flattening, made };
+        Ok(Self::new(surface, charted, 0.0, previous))
     }
 
-    #[expect(clippy::too_many_arguments, reason = "the two ways of making one")]
     fn new(
         surface: &Surface,
-        cut: CutMesh,
-        points: Vec<Point3<f64>>,
-        opened: OpenedMesh,
-        geometry: Geometry,
-        flattening: Flattening,
+        charted: Charted,
         disk_cut_length: f64,
         previous: Option<&Packing>,
     ) -> Self {
+        let Charted { cut, points, opened, geometry, flattening, made } = charted;
         let measures = measure(&opened, &geometry, &flattening);
         let packing = flattening.pack(&opened, surface.mesh.vertex_count(), GAP, previous);
         let overlaps_across = measures::overlaps_across(&opened, &flattening, &packing);
         let charts = flattening.place(&opened, &packing).iter().map(|p| [p.x, p.y]).collect();
         let vertex_patches = opened.vertex_patches();
+        let notice = made.notice.clone();
         Self {
             cut,
             points,
@@ -200,9 +210,29 @@ impl Layout {
             charts,
             overlaps_across,
             disk_cut_length,
+            made,
+            refined: None,
             vertex_patches,
-            notice: None,
+            notice,
         }
+    }
+
+    /// Takes other charts of the same patches.
+    pub fn refine(&mut self, surface: &Surface, flattening: Flattening, report: RefinedReport) {
+        self.refined = Some(report);
+        self.measures = measure(&self.opened, &self.geometry, &flattening);
+        let own = surface.mesh.vertex_count();
+        self.packing = flattening.pack(&self.opened, own, GAP, Some(&self.packing));
+        self.overlaps_across =
+            measures::overlaps_across(&self.opened, &flattening, &self.packing);
+        let places = flattening.place(&self.opened, &self.packing);
+        self.charts = places.iter().map(|p| [p.x, p.y]).collect();
+        self.flattening = flattening;
+    }
+
+    /// Triangles that are turned over, those that were cut out because nothing else helped included.
+    fn flips(&self) -> usize {
+        self.measures.totals.flipped + self.made.cut_out
     }
 
     /// The label of every patch: that of most of its vertices, by the flow's labels. Straightening may leave a vertex beside a cut on
@@ -337,7 +367,3 @@ fn place(surface: &Surface, cut: &CutMesh) -> Vec<Point3<f64>> {
     cut.points.iter().map(|&p| surface.geometry.locate(&surface.mesh, p)).collect()
 }
 
-fn measure_opened(opened: &OpenedMesh, points: &[Point3<f64>]) -> Geometry {
-    let positions = opened.vertex_points.iter().map(|&p| points[p as usize]).collect();
-    Geometry::measure(&opened.mesh, positions)
-}

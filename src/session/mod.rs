@@ -10,6 +10,7 @@
 //! This is the only floor that serialises. It reads no clock: drivers measure time and hand in budgets.
 
 mod brought;
+mod charting;
 mod cones;
 mod cut_file;
 mod doctor;
@@ -26,6 +27,7 @@ mod params;
 mod picture;
 mod preparing;
 mod presets;
+mod refining;
 mod regions;
 mod report;
 mod running;
@@ -48,6 +50,7 @@ use preparing::Preparation;
 use work::{Pending, Snapshot, Work, start_flow};
 
 pub use brought::Brought;
+pub use charting::{Charting, FlattenBy};
 pub use cones::{
     ConeComparisonRow, ConePathPoint, ConeReport, ConeRow, ConeTable, ConesReport, RoundedReport,
 };
@@ -63,7 +66,7 @@ pub use message::{
 pub use method::Method;
 pub use params::{Effect, Settings};
 pub use regions::FaceSource;
-pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport};
+pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport, RefinedReport};
 pub use scene::Scene;
 pub use size::settings_for;
 pub use specs::{all_specs, specs, specs_of};

@@ -174,7 +174,7 @@ impl Settings {
             // Decides where cells are, too.
             "seed" if self.text("init") == "random" => Effect::Restart,
             "coarse" => Effect::Restart,
-            "straighten" | "snap" => Effect::Finish,
+            "straighten" | "snap" | "flatten" | "split" | "refine" => Effect::Finish,
             "round" if self.text("choose_by") == "count" => Effect::Cones,
             "round" | "debias" | "seam_hiding" => Effect::ConeSet,
             id if cones::specs().iter().any(|spec| spec.id == id) => Effect::Cones,
@@ -282,6 +282,9 @@ const IDS: &[&str] = &[
     "seam_hiding",
     "cone_method",
     "multiresolution",
+    "flatten",
+    "refine",
+    "split",
 ];
 
 #[cfg(test)]

@@ -457,6 +457,7 @@ mod tests {
 
     use super::*;
     use crate::methods::cutflow::{Initial, initial_labels, labelled_cut};
+    use crate::session::charting::Charting;
     use crate::session::samples;
 
     #[test]
@@ -470,7 +471,7 @@ mod tests {
         let initial = Initial::Random { regions: 70, cells: 70, seed: 2 };
         let labels = initial_labels(mesh, geometry, &initial).unwrap().labels;
         let cut = labelled_cut(mesh, geometry, &labels, |_| None);
-        let layout = Layout::full(&surface, cut, None).unwrap();
+        let layout = Layout::full(&surface, cut, &Charting::default(), None).unwrap();
         let colours = patch_colours(&layout, &labels);
         assert_eq!(colours.len(), 70);
         for (patch, near) in layout.neighbours().iter().enumerate() {

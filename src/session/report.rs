@@ -5,7 +5,8 @@ use serde::Serialize;
 use super::document::Document;
 use super::layout::Layout;
 use super::message::NoticeText;
-use crate::flatten::ChartMeasures;
+use crate::flatten::conformal::ConformalReport;
+use crate::flatten::{ChartMeasures, validate};
 use crate::methods::cutflow::{Energy, Weights};
 
 /// `cutflow info`.
@@ -135,8 +136,23 @@ pub struct FlattenReport {
     pub charts: Vec<Option<ChartReport>>,
     /// All charts together.
     pub totals: ChartReport,
+    /// How: `bff`, `conformal`, `lscm`, `dcp` or `abf`.
+    pub method: &'static str,
     /// Whether both sides of every seam are equally long in the charts.
     pub seams_equal: bool,
+    /// Whether the charts have the cones' angles; no isometric rim has.
+    pub angles_exact: bool,
+    /// Proof that nothing is turned over or covered twice, or the worst there is.
+    pub validity: ValidityReport,
+    /// What conformal equivalence did, where it did it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub conformal: Option<EquivalenceReport>,
+    /// What became of charts that overlapped themselves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub split: Option<SplitReport>,
+    /// What evening out did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refined: Option<RefinedReport>,
     /// Solving time, where the driver measured it.
     pub seconds: Option<f64>,
 }
@@ -162,6 +178,98 @@ pub struct ChartReport {
     pub area_change_abs: f64,
     /// Raw L² stretch.
     pub l2_stretch: f64,
+    /// L² stretch with the chart's area brought to that of the patch.
+    pub l2_stretch_normalized: f64,
+    /// Raw L^∞ stretch.
+    pub linf_stretch: f64,
+    /// L^∞ stretch with the chart's area brought to that of the patch.
+    pub linf_stretch_normalized: f64,
+    /// Symmetric Dirichlet energy; 1 is isometric.
+    pub symmetric_dirichlet: f64,
+    /// Smallest signed area of a triangle in the plane; `null` without triangles.
+    pub smallest_signed_area: Option<f64>,
+}
+
+/// All faces and all pairs of faces of all charts on the sheet, by exact predicates. Areas over the area of the surface.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ValidityReport {
+    /// Triangles that are turned over or have no area.
+    pub flipped: usize,
+    /// Pairs of triangles that overlap, in one chart or between two.
+    pub overlapping_pairs: usize,
+    /// What they have in common.
+    pub overlapping_area: f64,
+    /// The triangle of the cut surface with the smallest signed area.
+    pub smallest: Option<SmallestReport>,
+    /// The pair that has most in common.
+    pub worst_pair: Option<PairReport>,
+}
+
+/// A triangle of the cut surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SmallestReport {
+    /// Its number.
+    pub triangle: u32,
+    /// Its signed area in the plane.
+    pub signed_area: f64,
+}
+
+/// Two triangles of the cut surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PairReport {
+    /// Their numbers.
+    pub triangles: [u32; 2],
+    /// What they have in common.
+    pub area: f64,
+}
+
+/// Conformal equivalence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EquivalenceReport {
+    /// Steps of Newton's method.
+    pub newton_steps: usize,
+    /// Numeric factorisations.
+    pub factorisations: usize,
+    /// Flips of edges towards a Delaunay triangulation of the surface.
+    pub surface_flips: usize,
+    /// Flips of edges on the way.
+    pub conformal_flips: usize,
+    /// Largest error of an angle, radians.
+    pub angle_error: f64,
+    /// By how much charts do not close, over their diameters.
+    pub closure: f64,
+    /// Triangles on their backs before the repair.
+    pub flipped_before: usize,
+    /// Points on edges that the repair added.
+    pub points_inserted: usize,
+    /// Least and largest log scale factor.
+    pub scale_range: [f64; 2],
+}
+
+/// Charts that overlapped themselves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SplitReport {
+    /// Charts more than before.
+    pub charts_added: usize,
+    /// Length of the cuts between them.
+    pub length: f64,
+    /// Triangles that were turned over and are pieces of their own now.
+    pub triangles_cut_out: usize,
+}
+
+/// Charts evened out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RefinedReport {
+    /// `dirichlet` or `arap`.
+    pub energy: &'static str,
+    /// Steps made.
+    pub steps: usize,
+    /// Distortion before; 0 is isometric.
+    pub before: f64,
+    /// Distortion after.
+    pub after: f64,
+    /// Largest relative difference of the lengths of partners.
+    pub seam_difference: f64,
 }
 
 impl InfoReport {
@@ -210,6 +318,11 @@ impl ChartReport {
             area_change: m.area_change,
             area_change_abs: m.area_change_abs,
             l2_stretch: m.l2_stretch,
+            l2_stretch_normalized: m.l2_stretch_normalized,
+            linf_stretch: m.linf_stretch,
+            linf_stretch_normalized: m.linf_stretch_normalized,
+            symmetric_dirichlet: m.symmetric_dirichlet,
+            smallest_signed_area: Some(m.smallest_signed_area).filter(|a| a.is_finite()),
         }
     }
 }
@@ -223,9 +336,59 @@ impl FlattenReport {
         Self {
             charts: charts.iter().map(|m| m.as_ref().map(ChartReport::new)).collect(),
             totals,
+            method: layout.made.method,
             seams_equal: layout.flattening.seams_equal,
+            angles_exact: layout.flattening.angles_exact,
+            validity: ValidityReport::new(layout),
+            conformal: layout.made.conformal.as_ref().map(EquivalenceReport::new),
+            split: SplitReport::new(layout),
+            refined: layout.refined,
             seconds,
         }
+    }
+}
+
+impl ValidityReport {
+    fn new(layout: &Layout) -> Self {
+        let found = validate(&layout.opened, &layout.flattening, Some(&layout.packing)).totals;
+        Self {
+            flipped: found.flipped,
+            overlapping_pairs: found.pairs,
+            overlapping_area: found.overlapping_area,
+            smallest: found
+                .smallest
+                .map(|(face, signed_area)| SmallestReport { triangle: face.0, signed_area }),
+            worst_pair: found
+                .worst
+                .map(|pair| PairReport { triangles: pair.faces.map(|f| f.0), area: pair.area }),
+        }
+    }
+}
+
+impl EquivalenceReport {
+    fn new(report: &ConformalReport) -> Self {
+        Self {
+            newton_steps: report.newton_steps,
+            factorisations: report.factorisations,
+            surface_flips: report.surface_flips,
+            conformal_flips: report.conformal_flips,
+            angle_error: report.angle_error,
+            closure: report.closure,
+            flipped_before: report.flipped_before,
+            points_inserted: report.points_inserted,
+            scale_range: report.scale_range,
+        }
+    }
+}
+
+impl SplitReport {
+    fn new(layout: &Layout) -> Option<Self> {
+        let made = &layout.made;
+        (made.charts_added > 0).then_some(Self {
+            charts_added: made.charts_added,
+            length: made.split_length,
+            triangles_cut_out: made.cut_out,
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The table of parameters: sliders, command-line options and help are made from it.
 
-use super::cones;
+use super::{charting, cones};
 use super::message::{Choice, Condition, ParamKind, ParamSpec, Value};
 use super::method::Method;
 use super::size::{RANGE_MM, UNITS};
@@ -66,14 +66,14 @@ impl ParamSpec {
 
 /// The parameters of the cut flow, in the order of the panel.
 pub fn specs() -> Vec<ParamSpec> {
-    [start(), energy(), cut(), finish(), size(), steps()].concat()
+    [start(), energy(), cut(), finish(), charting::specs(), size(), steps()].concat()
 }
 
 /// The parameters of a method, in the order of the panel.
 pub fn specs_of(method: Method) -> Vec<ParamSpec> {
     match method {
         Method::CutFlow => specs(),
-        Method::Cones => [cones::specs(), size()].concat(),
+        Method::Cones => [cones::specs(), charting::specs(), size()].concat(),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::rc::Rc;
 
+use super::charting::{Charting, FlattenBy};
 use super::cones::{Cones, ConesReport, Edits};
 use super::document::Document;
 use super::folding::Fold;
@@ -261,7 +262,10 @@ impl Work {
                 return Ok(());
             }
         }
-        let layout = Layout::full(surface, self.cut_mesh(surface), packing).map_err(wrong)?;
+        // Nothing is repaired while the cut moves: that would be another cut.
+        let charting = Charting { by: FlattenBy::Bff, splits: false };
+        let layout = Layout::full(surface, self.cut_mesh(surface), &charting, packing)
+            .map_err(|error| error.problem(&surface.name))?;
         self.put_layout(layout);
         Ok(())
     }
@@ -277,8 +281,9 @@ impl Work {
         if self.method == Method::Cones {
             let packing = self.layout.as_ref().map(|l| &l.packing);
             let Some(set) = &self.cones.set else { return Ok(()) };
-            let layout = Layout::of_cones(surface, set, &self.seam_cost(), packing)
-                .map_err(|error| Problem::solve(&surface.name, &error))?;
+            let charting = Charting::of(&self.settings);
+            let layout = Layout::of_cones(surface, set, &self.seam_cost(), &charting, packing)
+                .map_err(|error| error.problem(&surface.name))?;
             self.put_layout(layout);
             self.is_settled = true;
             return Ok(());
@@ -292,9 +297,10 @@ impl Work {
             straighten: self.settings.is_on("straighten"),
             snap: self.settings.is_on("snap"),
             pins: &self.layers.pin,
+            charting: Charting::of(&self.settings),
         };
         let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing.as_ref())
-            .map_err(|error| Problem::solve(&surface.name, &error))?;
+            .map_err(|error| error.problem(&surface.name))?;
         self.put_layout(layout);
         self.is_settled = true;
         if self.start.is_none() {

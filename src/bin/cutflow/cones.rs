@@ -294,13 +294,21 @@ fn print(report: &ConesReport) {
     print_flattening(&report.flattening);
 }
 
-/// Flattens with the cones of a file. **Gives** the session at rest.
-pub fn with_cones(document: Document, path: &Path) -> Result<Session, Problem> {
+/// Flattens with the cones of a file. **Takes** parameters with their values. **Gives** the session at rest.
+pub fn with_cones(
+    document: Document,
+    path: &Path,
+    choices: &[(&str, Value)],
+) -> Result<Session, Problem> {
     document.surface()?;
     let mut session = Session::new();
     tell(session.handle(Command::SetMethod { id: "cones".into() }))?;
     let settings = settings_for(&document);
     tell(session.open_with(Ok(document), settings))?;
+    for (id, value) in choices {
+        let (id, value) = ((*id).to_owned(), value.clone());
+        tell(session.handle(Command::SetParameter { id, value }))?;
+    }
     let name = path.display().to_string();
     tell(session.bring(Brought::Cones { name: &name, bytes: &read(path)? }))?;
     drive(&mut session)?;

@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cutflow::session::{
-    Command, Document, Event, FlattenReport, InfoReport, Layout, Problem, Session, cut_from_json,
-    settings_for, surface_layout,
+    Charting, Command, Document, Event, FlattenBy, FlattenReport, InfoReport, Layout, Problem, Session, Value,
+    cut_from_json, settings_for, surface_layout,
 };
 
 /// Prints a line. A reader that has gone away is no error: `cutflow info mesh.obj | head -1` is a good question.
@@ -98,8 +98,50 @@ struct PrepareArgs {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Method {
-    /// Boundary first flattening with isometric rims.
+    /// Boundary first flattening, and conformal equivalence where that turns triangles over or misses the cones' angles.
+    Auto,
+    /// Boundary first flattening: isometric rims, or the cones' scale factors there.
     Bff,
+    /// Discrete conformal equivalence with intrinsic flips: exact angles, nothing turned over.
+    Conformal,
+    /// Least squares conformal maps.
+    Lscm,
+    /// Discrete conformal parameterisation, spectral.
+    Dcp,
+    /// Angle based flattening (ABF++).
+    Abf,
+}
+
+impl Method {
+    /// As the session calls it.
+    fn id(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Bff => "bff",
+            Self::Conformal => "conformal",
+            Self::Lscm => "lscm",
+            Self::Dcp => "dcp",
+            Self::Abf => "abf",
+        }
+    }
+}
+
+/// What evening out makes small.
+#[derive(Clone, Copy, ValueEnum)]
+enum Isometric {
+    /// Symmetric Dirichlet energy.
+    Dirichlet,
+    /// As rigid as possible.
+    Arap,
+}
+
+impl Isometric {
+    fn id(self) -> &'static str {
+        match self {
+            Self::Dirichlet => "dirichlet",
+            Self::Arap => "arap",
+        }
+    }
 }
 
 #[derive(Args)]
@@ -113,8 +155,14 @@ struct FlattenArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "cut")]
     cones: Option<PathBuf>,
     /// How to flatten.
-    #[arg(long, value_enum, default_value = "bff")]
+    #[arg(long, value_enum, default_value = "auto")]
     method: Method,
+    /// Evens the stretch out afterwards, as cloth and sheet metal want it: nothing turns over, seams stay equally long.
+    #[arg(long, value_enum, num_args = 0..=1, default_missing_value = "dirichlet", value_name = "ENERGY")]
+    isometric: Option<Isometric>,
+    /// Leaves charts that overlap themselves as they are.
+    #[arg(long)]
+    keep_overlaps: bool,
     /// Where to write the surface with texture coordinates.
     #[arg(short, long, value_name = "OUT.obj")]
     output: PathBuf,
@@ -240,7 +288,7 @@ fn finish(
 fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
     let document = open(&args.mesh)?;
     let surface = document.surface()?;
-    let Method::Bff = args.method;
+    let refine = args.isometric.map_or("none", Isometric::id);
     if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
         return Err(Problem::new(
             "The flattened surface is written as OBJ.",
@@ -250,7 +298,12 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
     }
     if let Some(path) = &args.cones {
         let clock = clock();
-        let mut session = cones::with_cones(document, path)?;
+        let choices = [
+            ("flatten", Value::Text(args.method.id().into())),
+            ("refine", Value::Text(refine.into())),
+            ("split", Value::Truth(!args.keep_overlaps)),
+        ];
+        let mut session = cones::with_cones(document, path, &choices)?;
         let mut report = session.cones_report(None)?.flattening;
         report.seconds = Some(clock.elapsed().as_secs_f64());
         let uv = session.export("UV mesh (OBJ)")?.bytes;
@@ -261,7 +314,8 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
         Some(path) => Some(cut_from_json(surface, &path.display().to_string(), &read(path)?)?),
     };
     let clock = clock();
-    let (layout, uv) = surface_layout(surface, cut)?;
+    let charting = Charting { by: FlattenBy::of(args.method.id()), splits: !args.keep_overlaps };
+    let (layout, uv) = surface_layout(surface, cut, &charting, refine)?;
     let seconds = clock.elapsed().as_secs_f64();
     let report = FlattenReport::new(&layout, Some(seconds));
     tell_flattening(args, &report, &layout, &uv)
@@ -284,13 +338,32 @@ fn tell_flattening(
 fn print_flattening(report: &FlattenReport) {
     let totals = &report.totals;
     say!(
-        "{} charts: angle distortion {:.4}, area distortion {:.4}, {} flipped triangles, {} overlaps",
+        "{} charts by {}: angle distortion {:.4}, area distortion {:.4}, {} flipped triangles, {} overlaps",
         report.charts.iter().flatten().count(),
+        report.method,
         totals.angle_distortion,
         totals.area_distortion,
         totals.flipped,
         totals.overlaps
     );
+    if let Some(split) = &report.split {
+        say!(
+            "  {} charts more, because charts overlapped themselves: cuts of {:.4} √A",
+            split.charts_added, split.length
+        );
+    }
+    if let Some(made) = &report.conformal {
+        say!(
+            "  conformal equivalence: {} steps, angles to {:.1e}, {} triangles mended by {} points",
+            made.newton_steps, made.angle_error, made.flipped_before, made.points_inserted
+        );
+    }
+    if let Some(refined) = &report.refined {
+        say!(
+            "  evened out in {} steps: stretch {:.5} → {:.5}, seams equal to {:.1e}",
+            refined.steps, refined.before, refined.after, refined.seam_difference
+        );
+    }
 }
 
 /// Names the pieces that something is wrong with.

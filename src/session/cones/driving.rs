@@ -1,12 +1,13 @@
 //! Driving the solver: rounds, pause, reset, the path over λ, the comparison. Everything long is done in bounded pieces.
 
+use super::super::charting::Charting;
 use super::super::layout::Layout;
 use super::super::message::{Event, Value};
 use super::super::method::Method;
 use super::super::text::Problem;
 use super::super::work::{Pending, Work};
 use super::super::{Session, nothing_open};
-use super::{Wanted, measures, problem};
+use super::{ConeSet, Wanted, measures, problem};
 use crate::methods::flow::{Flow, Status};
 
 /// Prices that the parameter takes.
@@ -318,6 +319,11 @@ impl Work {
         let surface = document.surface()?;
         let wrong = |error| Problem::solve(&document.name, &error);
         let cost = self.seam_cost();
+        let charting = Charting::of(&self.settings);
+        let charts = |set: &ConeSet| {
+            Layout::of_cones(surface, set, &cost, &charting, None)
+                .map_err(|error| error.problem(&document.name))
+        };
         let Some(set) = &self.cones.set else { return Err(nothing_open()) };
         let label = match self.cones.edits.changed {
             Some(_) => "By hand",
@@ -325,11 +331,11 @@ impl Work {
         };
         let mut rows = vec![measures::row(label.into(), set)];
         let (count, used) = (set.count(), set.cones.clone());
-        let mut layouts = vec![Layout::of_cones(surface, set, &cost, None).map_err(wrong)?];
+        let mut layouts = vec![charts(set)?];
         if count > 0 {
             let greedy = measures::greedy(surface, count).map_err(wrong)?;
             rows.push(measures::row("Greedy".into(), &greedy));
-            layouts.push(Layout::of_cones(surface, &greedy, &cost, None).map_err(wrong)?);
+            layouts.push(charts(&greedy)?);
         }
         if count > 0
             && let Some(flow) = self.cones.flow_mut()
@@ -337,7 +343,7 @@ impl Work {
             // Greedy cones take whatever angle is best where they are: so may these.
             let fitted = measures::refitted(flow, used).map_err(wrong)?;
             rows.push(measures::row("Refitted".into(), &fitted));
-            layouts.push(Layout::of_cones(surface, &fitted, &cost, None).map_err(wrong)?);
+            layouts.push(charts(&fitted)?);
         }
         for (row, layout) in rows.iter_mut().zip(&layouts) {
             let totals = &layout.measures.totals;

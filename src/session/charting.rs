@@ -1,0 +1,347 @@
+//! How a cut at rest becomes charts that can be trusted: which flattening, and what is done about flips and overlaps.
+//!
+//! The automatic way begins with boundary first flattening, which is fast. Where that turns triangles over or misses the angles of cones,
+//! discrete conformal equivalence takes its place, which does neither. What overlaps itself is split. What cannot be had that way is
+//! told and counted.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Point3;
+
+use super::message::ParamSpec;
+use super::params::Settings;
+use super::specs::{choice, switch};
+use super::text::{Problem, capital, plural};
+use crate::flatten::conformal::{
+    Conformal, ConformalError, ConformalParams, ConformalReport, RimCondition, conformal,
+    conformal_with_cones,
+};
+use crate::flatten::split::{Flips, SplitParams, split_overlaps};
+use crate::flatten::{Flattening, abf, bff, bff_scaled, dcp, lscm};
+use crate::geometry::Geometry;
+use crate::linalg::LinalgError;
+use crate::mesh::{CutMesh, Mesh, MeshError, OpenedMesh, VertexId};
+use crate::methods::cones::Cone;
+use crate::methods::flow::SolveError;
+
+/// The parameters of charts: of every method.
+pub(super) fn specs() -> Vec<ParamSpec> {
+    let charts = "Charts";
+    vec![
+        choice(charts, "flatten", "Flatten by",
+            &[
+                ("auto", "Automatic"),
+                ("bff", "Boundary first"),
+                ("conformal", "Conformal equivalence"),
+                ("lscm", "Least squares (LSCM)"),
+                ("dcp", "Spectral conformal (DCP)"),
+                ("abf", "Angle based (ABF++)"),
+            ],
+            "Automatic takes boundary first flattening, and conformal equivalence with flips where that turns triangles over or misses the cones' angles. The last three are there for comparison: they do not keep seams equally long."),
+        choice(charts, "refine", "Even out",
+            &[("none", "Nothing"), ("dirichlet", "Stretch (symmetric Dirichlet)"), ("arap", "Stretch (as rigid as possible)")],
+            "Trades angles for lengths, as cloth, leather and sheet metal want it. No triangle turns over, seams stay equally long; painted pins stay where they are."),
+        switch(charts, "split", "Split overlaps", true,
+            "Charts that overlap themselves are cut apart along the shortest way.")
+            .advanced(),
+    ]
+}
+
+/// How charts are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Charting {
+    /// Which flattening.
+    pub by: FlattenBy,
+    /// Whether charts that overlap themselves are split.
+    pub splits: bool,
+}
+
+/// Which flattening.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FlattenBy {
+    /// BFF, and conformal equivalence where that is not enough.
+    #[default]
+    Auto,
+    /// Boundary first flattening.
+    Bff,
+    /// Discrete conformal equivalence.
+    Conformal,
+    /// Least squares conformal maps.
+    Lscm,
+    /// Discrete conformal parameterisation, spectral.
+    Dcp,
+    /// Angle based flattening.
+    Abf,
+}
+
+impl FlattenBy {
+    /// By the identifier of the option.
+    pub fn of(id: &str) -> Self {
+        match id {
+            "bff" => Self::Bff,
+            "conformal" => Self::Conformal,
+            "lscm" => Self::Lscm,
+            "dcp" => Self::Dcp,
+            "abf" => Self::Abf,
+            _ => Self::Auto,
+        }
+    }
+}
+
+impl Default for Charting {
+    fn default() -> Self {
+        Self { by: FlattenBy::Auto, splits: true }
+    }
+}
+
+impl Charting {
+    /// As the parameters say.
+    pub fn of(settings: &Settings) -> Self {
+        Self { by: FlattenBy::of(settings.text("flatten")), splits: settings.is_on("split") }
+    }
+}
+
+/// Why there are no charts.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ChartError {
+    /// A solve that could not be done.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// Angles that no flat surface has.
+    #[error(transparent)]
+    Conformal(#[from] ConformalError),
+}
+
+impl From<LinalgError> for ChartError {
+    fn from(error: LinalgError) -> Self {
+        Self::Solve(error.into())
+    }
+}
+
+impl From<MeshError> for ChartError {
+    fn from(error: MeshError) -> Self {
+        Self::Solve(error.into())
+    }
+}
+
+impl ChartError {
+    /// As a person reads it.
+    pub fn problem(&self, name: &str) -> Problem {
+        match self {
+            Self::Solve(error) | Self::Conformal(ConformalError::Solve(error)) => {
+                Problem::solve(name, error)
+            }
+            Self::Conformal(error) => Problem::new(
+                format!("{}.", capital(&error.to_string())),
+                format!("{name}, conformal flattening."),
+                "Change the angles of the cones, or flatten by boundary first flattening.",
+            ),
+        }
+    }
+}
+
+/// How the charts of a layout came about.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Made {
+    /// `bff`, `conformal`, `lscm`, `dcp` or `abf`.
+    pub method: &'static str,
+    /// What conformal equivalence has to say.
+    pub conformal: Option<ConformalReport>,
+    /// Charts more than before, because charts overlapped themselves.
+    pub charts_added: usize,
+    /// Length of the cuts between them.
+    pub split_length: f64,
+    /// Triangles that were cut out and mirrored because nothing else turned them over.
+    pub cut_out: usize,
+    /// What a person should know.
+    pub notice: Option<String>,
+}
+
+/// A cut surface and its charts.
+pub struct Charted {
+    /// The mesh refined along the cut.
+    pub cut: CutMesh,
+    /// Where its points lie.
+    pub points: Vec<Point3<f64>>,
+    /// Opened.
+    pub opened: OpenedMesh,
+    /// Measured.
+    pub geometry: Geometry,
+    /// Its charts.
+    pub flattening: Flattening,
+    /// How they came about.
+    pub made: Made,
+}
+
+/// The measures of an opened surface whose points lie there.
+pub fn measure_opened(opened: &OpenedMesh, points: &[Point3<f64>]) -> Geometry {
+    let positions = opened.vertex_points.iter().map(|&p| points[p as usize]).collect();
+    Geometry::measure(&opened.mesh, positions)
+}
+
+/// What there is to flatten.
+pub struct Patches<'a> {
+    /// The surface.
+    pub mesh: &'a Mesh,
+    /// Its cut.
+    pub cut: CutMesh,
+    /// Where the cut's points lie.
+    pub points: Vec<Point3<f64>>,
+    /// Opened.
+    pub opened: OpenedMesh,
+    /// What seams cost at each vertex of the surface beyond their length; empty for nothing.
+    pub seam_cost: &'a [f64],
+}
+
+/// Cones on a surface and the scale factors that belong to them.
+pub struct ConeMetric<'a> {
+    /// Cones.
+    pub cones: Vec<Cone>,
+    /// Log scale factor at every vertex.
+    pub u: &'a [f64],
+}
+
+impl Patches<'_> {
+    /// Charts of the patches; of a cone metric, where there is one.
+    pub fn chart(
+        self,
+        charting: &Charting,
+        metric: Option<&ConeMetric>,
+    ) -> Result<Charted, ChartError> {
+        let seam_cost = self.seam_cost;
+        let charted = match charting.by {
+            FlattenBy::Auto => self.best(metric)?,
+            FlattenBy::Conformal => {
+                let conformal = self.conformal(metric)?;
+                Charted::of_conformal(conformal)
+            }
+            by => {
+                let geometry = measure_opened(&self.opened, &self.points);
+                let (method, flattening) = match by {
+                    FlattenBy::Lscm => ("lscm", lscm(&self.opened, &geometry)?),
+                    FlattenBy::Dcp => ("dcp", dcp(&self.opened, &geometry)?),
+                    FlattenBy::Abf => ("abf", abf(&self.opened, &geometry)?),
+                    _ => ("bff", self.bff(&geometry, metric)?),
+                };
+                self.charted(geometry, flattening, method)
+            }
+        };
+        if charting.splits { charted.split(seam_cost) } else { Ok(charted) }
+    }
+
+    fn charted(self, geometry: Geometry, flattening: Flattening, method: &'static str) -> Charted {
+        let Self { cut, points, opened, .. } = self;
+        let made = Made { method, ..Made::default() };
+        Charted { cut, points, opened, geometry, flattening, made }
+    }
+
+    fn bff(
+        &self,
+        geometry: &Geometry,
+        metric: Option<&ConeMetric>,
+    ) -> Result<Flattening, LinalgError> {
+        let Some(metric) = metric else { return bff(&self.opened, geometry) };
+        let points = self.opened.vertex_points.iter();
+        let rim_u: Vec<f64> = points.map(|&p| metric.u[p as usize]).collect();
+        bff_scaled(&self.opened, geometry, &rim_u)
+    }
+
+    fn conformal(&self, metric: Option<&ConeMetric>) -> Result<Conformal, ConformalError> {
+        let params = ConformalParams::default();
+        let Some(metric) = metric else {
+            let rim = RimCondition::Isometric;
+            return conformal(self.mesh, &self.cut, &self.points, &rim, &params);
+        };
+        // On the boundary the cones' own scale factors are what is asked for, its corners included.
+        let rim = RimCondition::LogScales(metric.u.to_vec());
+        let inside = |cone: &&Cone| !self.mesh.is_boundary_vertex(cone.vertex);
+        let cones: Vec<Cone> = metric.cones.iter().filter(inside).copied().collect();
+        conformal_with_cones(self.mesh, &self.cut, &self.points, &cones, &rim, &params)
+    }
+
+    /// Boundary first flattening, or conformal equivalence where that is better.
+    fn best(self, metric: Option<&ConeMetric>) -> Result<Charted, ChartError> {
+        let geometry = measure_opened(&self.opened, &self.points);
+        let flattening = self.bff(&geometry, metric)?;
+        let flipped = flattening.flipped(&self.opened);
+        let is_exact = metric.is_none() || flattening.angles_exact;
+        let too_sharp = metric.is_some_and(|m| m.cones.iter().any(|c| !(c.angle < TAU)));
+        if (flipped == 0 && is_exact) || too_sharp {
+            return Ok(self.charted(geometry, flattening, "bff"));
+        }
+        match self.conformal(metric) {
+            Ok(conformal)
+                if conformal.report.flipped_after < flipped
+                    || (conformal.report.flipped_after == flipped && !is_exact) =>
+            {
+                Ok(Charted::of_conformal(conformal))
+            }
+            // What conformal equivalence cannot do is no reason to have no charts at all.
+            _ => Ok(self.charted(geometry, flattening, "bff")),
+        }
+    }
+}
+
+impl Charted {
+    fn of_conformal(conformal: Conformal) -> Self {
+        let Conformal { cut, positions, opened, flattening, report } = conformal;
+        let geometry = measure_opened(&opened, &positions);
+        let made =
+            Made { method: "conformal", conformal: Some(report), ..Made::default() };
+        Self { cut, points: positions, opened, geometry, flattening, made }
+    }
+
+    /// Parts charts until none overlaps itself.
+    fn split(self, seam_cost: &[f64]) -> Result<Self, ChartError> {
+        let flipped = self.flattening.flipped(&self.opened);
+        // Points between vertices cost what nothing hides.
+        let mut cost = seam_cost.to_vec();
+        if !cost.is_empty() {
+            cost.resize(self.cut.points.len(), 0.0);
+        }
+        let params = SplitParams {
+            flips: if flipped > 0 { Flips::CutOut } else { Flips::Leave },
+            ..SplitParams::default()
+        };
+        let split = split_overlaps(
+            &self.cut,
+            &self.opened,
+            &self.geometry,
+            &self.flattening,
+            &cost,
+            &params,
+        )?;
+        if split.added == 0 && flipped == 0 {
+            return Ok(self);
+        }
+        let mut made = self.made;
+        made.charts_added = split.added;
+        made.split_length = split.length;
+        made.cut_out = flipped - split.flips.len().min(flipped);
+        made.notice = notice_of(&made);
+        let geometry = measure_opened(&split.opened, &self.points);
+        Ok(Self {
+            cut: split.cut,
+            points: self.points,
+            opened: split.opened,
+            geometry,
+            flattening: split.flattening,
+            made,
+        })
+    }
+}
+
+/// What a person should know of charts that were split.
+fn notice_of(made: &Made) -> Option<String> {
+    let added = plural(made.charts_added, "piece");
+    match (made.charts_added, made.cut_out) {
+        (0, _) => None,
+        (_, 0) => Some(format!(
+            "Pieces overlapped themselves in the plane: splitting them added {added}."
+        )),
+        (_, n) => Some(format!(
+            "Pieces overlapped themselves in the plane or had triangles that turn over: splitting them added {added}, and {} cut out.",
+            if n == 1 { "1 triangle is".to_owned() } else { format!("{n} triangles are") }
+        )),
+    }
+}
