@@ -13,9 +13,11 @@
 pub mod bff;
 mod closing;
 pub mod fold;
+pub mod histogram;
 pub mod measures;
 pub mod overlap;
 pub mod pack;
+pub mod validity;
 
 use nalgebra::{Point2, Vector2};
 
@@ -23,8 +25,10 @@ use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
 
 pub use bff::{bff, bff_scaled, bff_with};
 pub use fold::{FoldFlow, FoldParams};
+pub use histogram::Histogram;
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
+pub use validity::{ChartValidity, FacePair, Validity, validate};
 
 /// Why a patch has no chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -39,4 +39,5 @@ mod studio_files;
 mod surfaces;
 mod symmetries;
 mod tidy;
+mod validity;
 mod weaknesses;
