@@ -17,6 +17,7 @@ pub mod histogram;
 pub mod measures;
 pub mod overlap;
 pub mod pack;
+pub mod split;
 pub mod validity;
 
 use nalgebra::{Point2, Vector2};
@@ -28,6 +29,7 @@ pub use fold::{FoldFlow, FoldParams};
 pub use histogram::Histogram;
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
+pub use split::{Flip, Flips, Split, SplitParams, split_overlaps};
 pub use validity::{ChartValidity, FacePair, Validity, validate};
 
 /// Why a patch has no chart.

@@ -32,6 +32,7 @@ mod rounding;
 mod scripts;
 mod seams;
 mod solving;
+mod splitting;
 mod starts;
 mod straightening;
 mod studio;
