@@ -10,7 +10,10 @@
 //!
 //! Everything here is unitless: charts have the unit of the positions that they were made from.
 
+pub mod abf;
 pub mod bff;
+mod disks;
+pub mod lscm;
 mod closing;
 pub mod fold;
 pub mod measures;
