@@ -12,6 +12,7 @@
 
 pub mod bff;
 mod closing;
+pub mod conformal;
 pub mod fold;
 pub mod measures;
 pub mod overlap;
@@ -27,7 +28,7 @@ pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
 
 /// Why a patch has no chart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoChart {
     /// Only disks can be flattened; this patch has another shape.
     #[error("the patch is no disk (Euler characteristic {euler}, {boundary_loops} boundary loops)")]
@@ -42,6 +43,12 @@ pub enum NoChart {
     Degenerate {
         /// The face, of the opened mesh.
         face: FaceId,
+    },
+    /// No flat metric with the angles asked for was found.
+    #[error("no flat metric was found: angles are off by {angle_error} still")]
+    NotConverged {
+        /// What was reached: the largest error of an angle sum, radians.
+        angle_error: f64,
     },
 }
 

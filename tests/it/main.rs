@@ -11,6 +11,7 @@
 mod closed_curves;
 mod cone_sessions;
 mod cones;
+mod conformal;
 mod cutgraphs;
 mod cutting;
 mod doctoring;
