@@ -10,12 +10,19 @@
 //!
 //! Everything here is unitless: charts have the unit of the positions that they were made from.
 
+pub mod abf;
 pub mod bff;
+mod disks;
+pub mod lscm;
 mod closing;
+pub mod conformal;
 pub mod fold;
+pub mod histogram;
 pub mod measures;
 pub mod overlap;
 pub mod pack;
+pub mod split;
+pub mod validity;
 
 use nalgebra::{Point2, Vector2};
 
@@ -23,11 +30,14 @@ use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
 
 pub use bff::{bff, bff_scaled, bff_with};
 pub use fold::{FoldFlow, FoldParams};
+pub use histogram::Histogram;
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
+pub use split::{Flip, Flips, Split, SplitParams, split_overlaps};
+pub use validity::{ChartValidity, FacePair, Validity, validate};
 
 /// Why a patch has no chart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoChart {
     /// Only disks can be flattened; this patch has another shape.
     #[error("the patch is no disk (Euler characteristic {euler}, {boundary_loops} boundary loops)")]
@@ -42,6 +52,12 @@ pub enum NoChart {
     Degenerate {
         /// The face, of the opened mesh.
         face: FaceId,
+    },
+    /// No flat metric with the angles asked for was found.
+    #[error("no flat metric was found: angles are off by {angle_error} still")]
+    NotConverged {
+        /// What was reached: the largest error of an angle sum, radians.
+        angle_error: f64,
     },
 }
 

@@ -8,9 +8,11 @@
     reason = "a test may stop where it meets what it does not expect, and reads and writes files"
 )]
 
+mod baselines;
 mod closed_curves;
 mod cone_sessions;
 mod cones;
+mod conformal;
 mod cutgraphs;
 mod cutting;
 mod doctoring;
@@ -32,6 +34,7 @@ mod rounding;
 mod scripts;
 mod seams;
 mod solving;
+mod splitting;
 mod starts;
 mod straightening;
 mod studio;
@@ -39,4 +42,5 @@ mod studio_files;
 mod surfaces;
 mod symmetries;
 mod tidy;
+mod validity;
 mod weaknesses;
