@@ -120,11 +120,7 @@ fn refuse_degenerate(
 }
 
 /// Log of the length ratio chart : surface at each vertex, from the areas of the faces around it, turned over or not; NaN without place.
-pub(super) fn log_scales(
-    opened: &OpenedMesh,
-    geometry: &Geometry,
-    uv: &[Point2<f64>],
-) -> Vec<f64> {
+pub(super) fn log_scales(opened: &OpenedMesh, geometry: &Geometry, uv: &[Point2<f64>]) -> Vec<f64> {
     let mut sums = vec![[0.0; 2]; uv.len()];
     for f in opened.mesh.faces() {
         let corners = opened.mesh.face_vertices(f);

@@ -233,8 +233,7 @@ struct ConformalEnergy {
 impl ConformalEnergy {
     fn new(disks: &Disks, cotangents: &[[f64; 3]], shares: &[f64]) -> Self {
         let mesh = &disks.opened.mesh;
-        let (mut weights, mut turns) =
-            (vec![0.0; mesh.edge_count()], vec![0.0; mesh.edge_count()]);
+        let (mut weights, mut turns) = (vec![0.0; mesh.edge_count()], vec![0.0; mesh.edge_count()]);
         for f in mesh.faces().filter(|&f| disks.has_face(f)) {
             let share = shares[f.index()];
             for (i, h) in mesh.face_halfedges(f).into_iter().enumerate() {
@@ -250,8 +249,7 @@ impl ConformalEnergy {
                 let turn = turns[e.index()];
                 // What rounding leaves of 1 − 1.
                 let turn = if turn.abs() < 1e-12 { 0.0 } else { turn };
-                let edge =
-                    Edge { ends: [a.index(), b.index()], weight: weights[e.index()], turn };
+                let edge = Edge { ends: [a.index(), b.index()], weight: weights[e.index()], turn };
                 (disks.vertex_patches[a.index()], edge)
             })
             .collect();

@@ -12,12 +12,12 @@
 
 pub mod abf;
 pub mod bff;
-mod disks;
-pub mod lscm;
 mod closing;
 pub mod conformal;
+mod disks;
 pub mod fold;
 pub mod histogram;
+pub mod lscm;
 pub mod measures;
 pub mod overlap;
 pub mod pack;
@@ -82,6 +82,15 @@ impl Flattening {
     pub fn outline(&self, opened: &OpenedMesh, patch: usize) -> Vec<Point2<f64>> {
         let rim = self.charts[patch].as_deref().unwrap_or_default();
         rim.iter().map(|&h| self.uv[opened.mesh.tail(h).index()]).collect()
+    }
+
+    /// Number of faces that are turned over or have no area in the plane, by exact predicates.
+    pub fn flipped(&self, opened: &OpenedMesh) -> usize {
+        let is_flipped = |f: &FaceId| {
+            let [a, b, c] = validity::face_places(opened, &self.uv, *f);
+            a.x.is_finite() && !(overlap::orientation(a, b, c) > 0.0)
+        };
+        opened.mesh.faces().filter(is_flipped).count()
     }
 
     /// Lays the charts out on a sheet.

@@ -12,15 +12,17 @@ use super::message::ParamSpec;
 use super::params::Settings;
 use super::specs::{choice, switch};
 use super::text::{Problem, capital, plural};
+use crate::flatten::abf::abf;
 use crate::flatten::conformal::{
     Conformal, ConformalError, ConformalParams, ConformalReport, RimCondition, conformal,
     conformal_with_cones,
 };
+use crate::flatten::lscm::{dcp, lscm};
 use crate::flatten::split::{Flips, SplitParams, split_overlaps};
-use crate::flatten::{Flattening, abf, bff, bff_scaled, dcp, lscm};
+use crate::flatten::{Flattening, bff, bff_scaled};
 use crate::geometry::Geometry;
 use crate::linalg::LinalgError;
-use crate::mesh::{CutMesh, Mesh, MeshError, OpenedMesh, VertexId};
+use crate::mesh::{CutMesh, Mesh, MeshError, OpenedMesh};
 use crate::methods::cones::Cone;
 use crate::methods::flow::SolveError;
 
@@ -28,7 +30,10 @@ use crate::methods::flow::SolveError;
 pub(super) fn specs() -> Vec<ParamSpec> {
     let charts = "Charts";
     vec![
-        choice(charts, "flatten", "Flatten by",
+        choice(
+            charts,
+            "flatten",
+            "Flatten by",
             &[
                 ("auto", "Automatic"),
                 ("bff", "Boundary first"),
@@ -37,13 +42,27 @@ pub(super) fn specs() -> Vec<ParamSpec> {
                 ("dcp", "Spectral conformal (DCP)"),
                 ("abf", "Angle based (ABF++)"),
             ],
-            "Automatic takes boundary first flattening, and conformal equivalence with flips where that turns triangles over or misses the cones' angles. The last three are there for comparison: they do not keep seams equally long."),
-        choice(charts, "refine", "Even out",
-            &[("none", "Nothing"), ("dirichlet", "Stretch (symmetric Dirichlet)"), ("arap", "Stretch (as rigid as possible)")],
-            "Trades angles for lengths, as cloth, leather and sheet metal want it. No triangle turns over, seams stay equally long; painted pins stay where they are."),
-        switch(charts, "split", "Split overlaps", true,
-            "Charts that overlap themselves are cut apart along the shortest way.")
-            .advanced(),
+            "Automatic takes boundary first flattening, and conformal equivalence with flips where that turns triangles over or misses the cones' angles. The last three are there for comparison: they do not keep seams equally long.",
+        ),
+        choice(
+            charts,
+            "refine",
+            "Even out",
+            &[
+                ("none", "Nothing"),
+                ("dirichlet", "Stretch (symmetric Dirichlet)"),
+                ("arap", "Stretch (as rigid as possible)"),
+            ],
+            "Trades angles for lengths, as cloth, leather and sheet metal want it. No triangle turns over, seams stay equally long; painted pins stay where they are.",
+        ),
+        switch(
+            charts,
+            "split",
+            "Split overlaps",
+            true,
+            "Charts that overlap themselves are cut apart along the shortest way.",
+        )
+        .advanced(),
     ]
 }
 
@@ -286,8 +305,7 @@ impl Charted {
     fn of_conformal(conformal: Conformal) -> Self {
         let Conformal { cut, positions, opened, flattening, report } = conformal;
         let geometry = measure_opened(&opened, &positions);
-        let made =
-            Made { method: "conformal", conformal: Some(report), ..Made::default() };
+        let made = Made { method: "conformal", conformal: Some(report), ..Made::default() };
         Self { cut, points: positions, opened, geometry, flattening, made }
     }
 

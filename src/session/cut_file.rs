@@ -107,8 +107,8 @@ pub fn surface_layout(
     refine: &str,
 ) -> Result<(Layout, Vec<u8>), Problem> {
     let cut = cut.unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
-    let mut layout = Layout::full(surface, cut, charting, None)
-        .map_err(|error| error.problem(&surface.name))?;
+    let mut layout =
+        Layout::full(surface, cut, charting, None).map_err(|error| error.problem(&surface.name))?;
     if let Some(mut refinement) = Refinement::begin(surface, &layout, refine, &[])? {
         refinement.finish(surface, &mut layout)?;
     }

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 
 use nalgebra::Point3;
 
+use super::charting::{ChartError, Charted, Charting, ConeMetric, Made, Patches, measure_opened};
 use super::cones::ConeSet;
 use super::report::RefinedReport;
 use super::surface::Surface;
 use super::text::plural;
-use super::charting::{ChartError, Charted, Charting, ConeMetric, Made, Patches, measure_opened};
 use crate::flatten::{Flattening, Measures, Packing, bff_with, measure, measures};
 use crate::geometry::Geometry;
 use crate::linalg::Factor;
@@ -127,8 +127,15 @@ impl Layout {
         let straight_points = place(surface, &straight.cut);
         let length = length_of(&straight.cut.cut_edges[straight.free_from..], &straight_points);
         let opened = straight.cut.open()?;
-        let result =
-            Self::whole(surface, straight.cut, straight_points, opened, length, charting, previous)?;
+        let result = Self::whole(
+            surface,
+            straight.cut,
+            straight_points,
+            opened,
+            length,
+            charting,
+            previous,
+        )?;
         if result.flips() > 0 {
             let before = as_it_was(rough, points, None)?;
             if before.flips() < result.flips() {
@@ -223,8 +230,7 @@ impl Layout {
         self.measures = measure(&self.opened, &self.geometry, &flattening);
         let own = surface.mesh.vertex_count();
         self.packing = flattening.pack(&self.opened, own, GAP, Some(&self.packing));
-        self.overlaps_across =
-            measures::overlaps_across(&self.opened, &flattening, &self.packing);
+        self.overlaps_across = measures::overlaps_across(&self.opened, &flattening, &self.packing);
         let places = flattening.place(&self.opened, &self.packing);
         self.charts = places.iter().map(|p| [p.x, p.y]).collect();
         self.flattening = flattening;
@@ -366,4 +372,3 @@ fn length_of(edges: &[[u32; 2]], points: &[Point3<f64>]) -> f64 {
 fn place(surface: &Surface, cut: &CutMesh) -> Vec<Point3<f64>> {
     cut.points.iter().map(|&p| surface.geometry.locate(&surface.mesh, p)).collect()
 }
-

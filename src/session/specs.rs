@@ -1,9 +1,9 @@
 //! The table of parameters: sliders, command-line options and help are made from it.
 
-use super::{charting, cones};
 use super::message::{Choice, Condition, ParamKind, ParamSpec, Value};
 use super::method::Method;
 use super::size::{RANGE_MM, UNITS};
+use super::{charting, cones};
 
 /// The group of unit and size, which the page shows in a panel of their own.
 const SIZE: &str = "Size";

@@ -44,11 +44,7 @@ impl Sheet {
     }
 
     /// A grid of `n` × `m` squares, each divided; columns close if asked to, and are slit then.
-    pub fn grid(
-        [n, m]: [u32; 2],
-        closed: bool,
-        place: impl Fn(f64, f64) -> [f64; 3],
-    ) -> Self {
+    pub fn grid([n, m]: [u32; 2], closed: bool, place: impl Fn(f64, f64) -> [f64; 3]) -> Self {
         let columns = if closed { n } else { n + 1 };
         let tilt = Rotation3::from_euler_angles(0.4, -0.2, 1.0);
         let mut points = Vec::new();
@@ -142,7 +138,8 @@ pub fn strain(sheet: &Sheet, uv: &[Point2<f64>]) -> f64 {
 
 #[test]
 fn developable_sheets_become_isometric_charts_of_their_own_size() {
-    let sheets = [("flat", Sheet::flat()), ("cylinder", Sheet::cylinder()), ("cone", Sheet::cone())];
+    let sheets =
+        [("flat", Sheet::flat()), ("cylinder", Sheet::cylinder()), ("cone", Sheet::cone())];
     for (name, sheet) in sheets {
         for (method, flatten) in methods() {
             let charts = flatten(&sheet.opened, &sheet.geometry).unwrap();
@@ -196,9 +193,8 @@ fn a_cap_becomes_its_stereographic_image() {
                 let charts = flatten(&cap.opened, &cap.geometry).unwrap();
                 let centre = charts.uv[0];
                 let places = cap.geometry.positions.iter().zip(&charts.uv).skip(1);
-                let ratios: Vec<f64> = places
-                    .map(|(p, q)| (q - centre).norm() / (0.5 * p.z.acos()).tan())
-                    .collect();
+                let ratios: Vec<f64> =
+                    places.map(|(p, q)| (q - centre).norm() / (0.5 * p.z.acos()).tan()).collect();
                 let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
                 ratios.iter().map(|r| (r / mean - 1.0).abs()).fold(0.0, f64::max)
             })
@@ -248,7 +244,11 @@ fn real_models_get_as_little_angle_distortion_as_from_bff() {
         let sheet = Sheet::disks(&surface);
         let reference =
             measure(&sheet.opened, &sheet.geometry, &bff(&sheet.opened, &sheet.geometry).unwrap());
-        eprintln!("{name}, {} vertices: bff {:?}", sheet.opened.mesh.vertex_count(), reference.totals);
+        eprintln!(
+            "{name}, {} vertices: bff {:?}",
+            sheet.opened.mesh.vertex_count(),
+            reference.totals
+        );
         for (method, flatten) in methods() {
             let clock = std::time::Instant::now();
             let charts = flatten(&sheet.opened, &sheet.geometry).unwrap();

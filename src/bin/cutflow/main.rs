@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cutflow::session::{
-    Charting, Command, Document, Event, FlattenBy, FlattenReport, InfoReport, Layout, Problem, Session, Value,
-    cut_from_json, settings_for, surface_layout,
+    Charting, Command, Document, Event, FlattenBy, FlattenReport, InfoReport, Layout, Problem,
+    Session, Value, cut_from_json, settings_for, surface_layout,
 };
 
 /// Prints a line. A reader that has gone away is no error: `cutflow info mesh.obj | head -1` is a good question.
@@ -349,19 +349,26 @@ fn print_flattening(report: &FlattenReport) {
     if let Some(split) = &report.split {
         say!(
             "  {} charts more, because charts overlapped themselves: cuts of {:.4} √A",
-            split.charts_added, split.length
+            split.charts_added,
+            split.length
         );
     }
     if let Some(made) = &report.conformal {
         say!(
             "  conformal equivalence: {} steps, angles to {:.1e}, {} triangles mended by {} points",
-            made.newton_steps, made.angle_error, made.flipped_before, made.points_inserted
+            made.newton_steps,
+            made.angle_error,
+            made.flipped_before,
+            made.points_inserted
         );
     }
     if let Some(refined) = &report.refined {
         say!(
             "  evened out in {} steps: stretch {:.5} → {:.5}, seams equal to {:.1e}",
-            refined.steps, refined.before, refined.after, refined.seam_difference
+            refined.steps,
+            refined.before,
+            refined.after,
+            refined.seam_difference
         );
     }
 }

@@ -66,7 +66,8 @@ mod tests {
         let mut sum = 0.0;
         for i in 0..pieces {
             let middle = (f64::from(i) + 0.5) / f64::from(pieces);
-            sum += NODES.iter().map(|(x, weight)| weight * f(middle + half * x)).sum::<f64>() * half;
+            sum +=
+                NODES.iter().map(|(x, weight)| weight * f(middle + half * x)).sum::<f64>() * half;
         }
         -sum
     }

@@ -259,8 +259,7 @@ impl Solver {
                 && (after <= 0.0
                     || evaluation.error < self.tolerance
                     || (evaluation.error < 0.5 * start && evaluation.error < 1e-6)
-                    || (after <= -0.9 * before
-                        && energy <= self.energy + 1e-4 * length * before));
+                    || (after <= -0.9 * before && energy <= self.energy + 1e-4 * length * before));
             if accepted {
                 self.v = trial;
                 self.evaluation = evaluation;
