@@ -93,6 +93,37 @@ impl Flattening {
         opened.mesh.faces().filter(is_flipped).count()
     }
 
+    /// Lays the copies of a point on a seam on each other where they are no farther apart than that: both sides of a slit in a flat
+    /// part then run along the very same line, instead of crossing each other within rounding.
+    pub fn close_slits(&mut self, opened: &OpenedMesh, distance: f64) {
+        let mesh = &opened.mesh;
+        let patches = opened.vertex_patches();
+        let mut first: Vec<usize> = (0..self.uv.len()).collect();
+        let root = |first: &[usize], mut v: usize| {
+            while first[v] != v {
+                v = first[v];
+            }
+            v
+        };
+        for rim in self.charts.iter().flatten() {
+            for &h in rim {
+                let Some(partner) = opened.partner(h) else { continue };
+                let pairs = [(mesh.tail(h), mesh.tip(partner)), (mesh.tip(h), mesh.tail(partner))];
+                for (a, b) in pairs {
+                    let [a, b] = [a, b].map(|v| root(&first, v.index()));
+                    // Charts of different patches lie in frames of their own.
+                    let is_one = patches[a] == patches[b];
+                    if a != b && is_one && (self.uv[a] - self.uv[b]).norm() <= distance {
+                        first[a.max(b)] = a.min(b);
+                    }
+                }
+            }
+        }
+        for v in 0..first.len() {
+            self.uv[v] = self.uv[root(&first, v)];
+        }
+    }
+
     /// Lays the charts out on a sheet.
     ///
     /// **Takes** the number of the surface's own vertices: opened vertices below it keep their names while a cut moves, and

@@ -26,6 +26,10 @@ use crate::mesh::{CutMesh, Mesh, MeshError, OpenedMesh};
 use crate::methods::cones::Cone;
 use crate::methods::flow::SolveError;
 
+/// Copies of a point that are no farther apart in the plane lie on each other, √area = 1: ten nanometres on a pattern of a metre. Slits
+/// of cones with angles below 1e-6 open by as little, or close by as little too much.
+const SLIT: f64 = 1e-8;
+
 /// The parameters of charts: of every method.
 pub(super) fn specs() -> Vec<ParamSpec> {
     let charts = "Charts";
@@ -228,7 +232,7 @@ impl Patches<'_> {
         metric: Option<&ConeMetric>,
     ) -> Result<Charted, ChartError> {
         let seam_cost = self.seam_cost;
-        let charted = match charting.by {
+        let mut charted = match charting.by {
             FlattenBy::Auto => self.best(metric)?,
             FlattenBy::Conformal => {
                 let conformal = self.conformal(metric)?;
@@ -245,6 +249,7 @@ impl Patches<'_> {
                 self.charted(geometry, flattening, method)
             }
         };
+        charted.flattening.close_slits(&charted.opened, SLIT);
         if charting.splits { charted.split(seam_cost) } else { Ok(charted) }
     }
 
@@ -318,6 +323,8 @@ impl Charted {
             cost.resize(self.cut.points.len(), 0.0);
         }
         let params = SplitParams {
+            // Slits are closed: nothing overlaps by rounding alone.
+            tolerance: 0.0,
             flips: if flipped > 0 { Flips::CutOut } else { Flips::Leave },
             ..SplitParams::default()
         };

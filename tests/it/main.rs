@@ -16,6 +16,7 @@ mod conformal;
 mod cutgraphs;
 mod cutting;
 mod doctoring;
+mod exported;
 mod flattening;
 mod folding;
 mod golden;
