@@ -18,6 +18,7 @@ pub mod measures;
 pub mod overlap;
 pub mod pack;
 pub mod split;
+pub mod targets;
 pub mod validity;
 
 use nalgebra::{Point2, Vector2};
@@ -30,6 +31,9 @@ pub use histogram::Histogram;
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
 pub use split::{Flip, Flips, Split, SplitParams, split_overlaps};
+pub use targets::{
+    Interior, RimTarget, SphereMap, TargetChart, TargetError, TargetSolver, flatten_sphere,
+};
 pub use validity::{ChartValidity, FacePair, Validity, validate};
 
 /// Why a patch has no chart.

@@ -39,6 +39,7 @@ mod studio;
 mod studio_files;
 mod surfaces;
 mod symmetries;
+mod targets;
 mod tidy;
 mod validity;
 mod weaknesses;
