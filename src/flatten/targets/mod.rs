@@ -55,7 +55,7 @@ pub enum Interior {
     /// Two harmonic coordinates: the rim is exactly what was drawn.
     #[default]
     Harmonic,
-    /// One harmonic coordinate and its conjugate: closer to conformal along the rim, which gives way a little. Only where u was given.
+    /// One harmonic coordinate and its conjugate: conformal along the rim too, which gives way for that. Only where u was given.
     Conjugate,
 }
 
@@ -331,24 +331,24 @@ impl<'a> TargetSolver<'a> {
 
     fn disk(&mut self) -> Result<Shape, TargetError> {
         let mut angles = rim::circle_angles(&self.system.scaled_lengths(&self.system.zeros()));
-        let mut round = 0;
-        loop {
+        let mut mixer = rim::Mixer::default();
+        for round in 1.. {
             let mut u = self.system.scales_for(&angles)?;
             self.system.centre(&mut u);
             let lengths = self.system.scaled_lengths(&u);
             let next = rim::circle_angles(&lengths);
             let differences = next.iter().zip(&angles).map(|(a, b)| (a - b).abs());
             let change = differences.fold(0.0, f64::max);
-            round += 1;
+            if !change.is_finite() {
+                return Err(TargetError::NotFinite);
+            }
             if change < STANDS || round == ROUNDS {
                 let rim = rim::circle(&lengths);
                 return Ok(Shape { rim, u, angles, change, ..Shape::default() });
             }
-            if !change.is_finite() {
-                return Err(TargetError::NotFinite);
-            }
-            angles = next;
+            angles = mixer.mix(angles, next);
         }
+        Err(TargetError::NotFinite)
     }
 
     /// Scales a chart so that the mean of its faces' log scales is 0: ∫u² is least.

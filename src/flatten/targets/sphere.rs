@@ -3,6 +3,9 @@
 //! Without the faces about one vertex the surface is a disk, which is flattened to a round one; the plane is the sphere without a
 //! pole, where the vertex goes. The freedom that is left, Möbius transformations of the sphere, is used to bring the centre of mass of the
 //! image, each vertex weighing its area on the surface, to the centre of the ball. That determines the map up to rotations.
+//!
+//! Guaranteed: unit vectors with their centre of mass in the centre. Not guaranteed: freedom from flips; accuracy beside the pole, where a few
+//! sides stand for a circle.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 

@@ -61,9 +61,20 @@ pub fn part_sectors(
     wanted.dedup();
     let (mut paths, mut added) = (0, 0);
     for &v in &wanted {
-        while let Some(path) = network.dividing_path(v) {
-            paths += 1;
-            added += usize::from(!network.lead_through(v, &path));
+        'paths: while !network.is_parted(v) {
+            // A path to seams beyond the cone's own stretches closes a cycle that has another stretch to give up.
+            for ends in [Ends::Beyond, Ends::BeyondOrBoundary, Ends::Any] {
+                let Some(path) = network.dividing_path(v, ends) else { continue };
+                let has_joined = network.lead_through(v, &path);
+                if has_joined || ends == Ends::Any {
+                    paths += 1;
+                    added += usize::from(!has_joined);
+                    continue 'paths;
+                }
+                let edges: Vec<EdgeId> = path.iter().map(|h| h.edge()).collect();
+                network.mark(&edges, false);
+            }
+            break;
         }
     }
     let mut wide: Vec<(VertexId, f64)> = Vec::new();
@@ -80,6 +91,17 @@ pub fn part_sectors(
     let length = edges().map(|e| geometry.edge_length(e)).sum();
     let opened = cut.open()?;
     Ok(Parted { seams: Seams { cut, opened, length }, paths, added, wide })
+}
+
+/// Where a path may end.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Ends {
+    /// On seams that are no stretches of the cone's own.
+    Beyond,
+    /// There, or on the boundary of the surface.
+    BeyondOrBoundary,
+    /// On any seam or boundary.
+    Any,
 }
 
 /// The faces at a vertex between two seams.
@@ -191,15 +213,16 @@ impl<'a> Network<'a> {
 
     /// Whether all sectors about a vertex are narrow enough, if it is a cone that can be too wide.
     fn is_parted(&self, v: VertexId) -> bool {
-        self.total(v) <= TAU || self.sectors(v).iter().all(|s| s.angle() <= WIDEST)
+        self.total(v) <= TAU * (1.0 + 1e-9) || self.sectors(v).iter().all(|s| s.angle() <= WIDEST)
     }
 
     /// A shortest path that divides the widest sector about a cone; none where all are narrow enough, or no edge divides it.
-    fn dividing_path(&mut self, v: VertexId) -> Option<Vec<HalfedgeId>> {
+    fn dividing_path(&mut self, v: VertexId, ends: Ends) -> Option<Vec<HalfedgeId>> {
         // Without seams the one sector has no borders, and a path could end anywhere.
         if self.is_parted(v) || (self.degrees[v.index()] == 0 && !self.mesh.is_boundary_vertex(v)) {
             return None;
         }
+        let is_end = self.ends(v, ends);
         let sectors = self.sectors(v);
         let widest = sectors.iter().max_by(|a, b| a.angle().total_cmp(&b.angle()))?;
         let whole = widest.angle();
@@ -220,17 +243,54 @@ impl<'a> Network<'a> {
         for rule in rules {
             let starts: Vec<HalfedgeId> =
                 parts.iter().filter(|(_, part)| rule(*part)).map(|(h, _)| *h).collect();
-            if let Some(path) = self.shortest_path(v, &starts) {
+            if let Some(path) = self.shortest_path(&is_end, v, &starts) {
                 return Some(path);
             }
         }
         let off = |part: f64| (part - 0.5).abs();
         let (nearest, _) = parts.iter().min_by(|a, b| off(a.1).total_cmp(&off(b.1)))?;
-        self.shortest_path(v, &[*nearest])
+        self.shortest_path(&is_end, v, &[*nearest])
     }
 
-    /// The shortest path from a vertex to another one on seams or the boundary, beginning with one of some halfedges.
-    fn shortest_path(&self, from: VertexId, starts: &[HalfedgeId]) -> Option<Vec<HalfedgeId>> {
+    /// For each vertex whether a path from a cone may end there.
+    fn ends(&self, v: VertexId, ends: Ends) -> Vec<bool> {
+        let mesh = self.mesh;
+        let mut is_end: Vec<bool> = mesh
+            .vertices()
+            .map(|w| self.degrees[w.index()] > 0 || mesh.is_boundary_vertex(w))
+            .collect();
+        if ends == Ends::Any {
+            return is_end;
+        }
+        if ends == Ends::Beyond {
+            mesh.vertices()
+                .filter(|&w| mesh.is_boundary_vertex(w))
+                .for_each(|w| is_end[w.index()] = false);
+        }
+        for start in mesh.outgoing(v).filter(|h| self.is_cut[h.edge().index()]) {
+            let mut last = start;
+            loop {
+                is_end[mesh.tip(last).index()] = false;
+                if self.is_stop(mesh.tip(last)) {
+                    break;
+                }
+                let on = mesh
+                    .outgoing(mesh.tip(last))
+                    .find(|h| h.edge() != last.edge() && self.is_cut[h.edge().index()]);
+                let Some(next) = on else { break };
+                last = next;
+            }
+        }
+        is_end
+    }
+
+    /// The shortest path from a vertex to an end, beginning with one of some halfedges, that meets no seam or boundary on its way.
+    fn shortest_path(
+        &self,
+        is_end: &[bool],
+        from: VertexId,
+        starts: &[HalfedgeId],
+    ) -> Option<Vec<HalfedgeId>> {
         let mesh = self.mesh;
         let mut distances = vec![f64::INFINITY; mesh.vertex_count()];
         let mut arrivals: Vec<Option<HalfedgeId>> = vec![None; mesh.vertex_count()];
@@ -255,9 +315,12 @@ impl<'a> Network<'a> {
             if distance > distances[v.index()] {
                 continue;
             }
-            if self.degrees[v.index()] > 0 || mesh.is_boundary_vertex(v) {
+            if is_end[v.index()] {
                 end = Some(v);
                 break;
+            }
+            if self.degrees[v.index()] > 0 || mesh.is_boundary_vertex(v) {
+                continue;
             }
             for h in mesh.outgoing(v) {
                 go(h, distance, &mut heap, &mut distances);
