@@ -89,7 +89,7 @@ enum Role {
 
 /// How much lengths may change, as a log ratio, before partners turn together instead. Smaller, and directions change that need not;
 /// larger, and a few sides become much longer or shorter than their scale factors say.
-const MAX_STRETCH: f64 = 0.1;
+pub(super) const MAX_STRETCH: f64 = 0.1;
 
 struct Problem<'a> {
     opened: &'a OpenedMesh,

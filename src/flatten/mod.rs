@@ -3,10 +3,12 @@
 //! A patch is a surface with boundary in space, a *chart* its image in the plane. [`bff`] flattens every patch of an opened
 //! mesh at once with as little stretching of the rims as conformality allows, [`bff_scaled`] with given scale factors there, so that
 //! cones on seams get exact angles; [`measures`] says what the result is worth;
-//! [`overlap`] finds where outlines cross; [`pack`] lays the charts side by side; [`fold`] sews them together again in space.
+//! [`targets`] makes rims what they are told to be, and closed surfaces spheres;
+//! [`overlap`] finds where outlines cross and triangles overlap, [`validity`] what is wrong with charts, and [`split`] cuts those that overlap
+//! themselves; [`pack`] lays the charts side by side; [`fold`] sews them together again in space.
 //!
 //! Guaranteed: seam partners are equally long in both charts ([`Flattening::seams_equal`]); charts are counter-clockwise.
-//! Not guaranteed: freedom from flips and overlaps, which are counted exactly and never hidden.
+//! Not guaranteed by flattening: freedom from flips and overlaps, which are counted exactly and never hidden.
 //!
 //! Everything here is unitless: charts have the unit of the positions that they were made from.
 
@@ -22,6 +24,7 @@ pub mod measures;
 pub mod overlap;
 pub mod pack;
 pub mod split;
+pub mod targets;
 pub mod validity;
 
 use nalgebra::{Point2, Vector2};
@@ -34,6 +37,9 @@ pub use histogram::Histogram;
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
 pub use split::{Flip, Flips, Split, SplitParams, split_overlaps};
+pub use targets::{
+    Interior, RimTarget, SphereMap, TargetChart, TargetError, TargetSolver, flatten_sphere,
+};
 pub use validity::{ChartValidity, FacePair, Validity, validate};
 
 /// Why a patch has no chart.

@@ -110,7 +110,7 @@ fn brute_pairs(opened: &OpenedMesh, flattening: &Flattening) -> usize {
 }
 
 /// Optimal cones, merged, with the scale factors that they give.
-fn cones(surface: &Surface, lambda: f64) -> (Vec<Cone>, Vec<f64>) {
+pub fn cones(surface: &Surface, lambda: f64) -> (Vec<Cone>, Vec<f64>) {
     let params = ConeParams { lambda, ..ConeParams::default() };
     let fields = ConeFields::default();
     let mut flow = ConeFlow::new(&surface.mesh, &surface.geometry, &params, &fields).unwrap();

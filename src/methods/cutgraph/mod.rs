@@ -24,6 +24,7 @@
 
 mod exchange;
 mod seams;
+mod sectors;
 mod surgeon;
 
 use nalgebra::Point3;
@@ -31,6 +32,7 @@ use nalgebra::Point3;
 use crate::mesh::{CutMesh, FaceId, MeshError, OpenedMesh, VertexId};
 
 pub use seams::{Seams, cut_through};
+pub use sectors::{Parted, WIDEST, part_sectors};
 use surgeon::{Patch, Surgeon};
 
 /// What [`cut_to_disks`] added.
