@@ -15,6 +15,7 @@ pub mod bff;
 mod disks;
 pub mod lscm;
 mod closing;
+pub mod fixed;
 pub mod fold;
 pub mod measures;
 pub mod overlap;
