@@ -13,6 +13,7 @@
 pub mod abf;
 pub mod bff;
 mod disks;
+pub mod isometric;
 pub mod lscm;
 mod closing;
 pub mod fixed;

@@ -18,6 +18,7 @@ mod doctoring;
 mod flattening;
 mod folding;
 mod golden;
+mod isometric;
 mod measuring;
 mod mutation;
 mod opening;
