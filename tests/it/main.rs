@@ -20,6 +20,7 @@ mod exported;
 mod flattening;
 mod folding;
 mod golden;
+mod isometric;
 mod measuring;
 mod mutation;
 mod opening;
