@@ -286,11 +286,8 @@ impl ConformalFlow {
         }
         let layout = self.round.lay_out(&self.base, self.params.repair)?;
         self.first_flipped.get_or_insert(layout.flipped_before);
-        let sides: Vec<usize> = layout
-            .left
-            .iter()
-            .flat_map(|f| [0, 1, 2].map(|i| 3 * f.index() + i))
-            .collect();
+        let sides: Vec<usize> =
+            layout.left.iter().flat_map(|f| [0, 1, 2].map(|i| 3 * f.index() + i)).collect();
         let is_better = |best: &Layout| layout.flipped_after < best.flipped_after;
         let is_clean = layout.flipped_after == 0;
         if self.best.as_ref().is_none_or(is_better) {

@@ -108,9 +108,9 @@ impl Part {
         }
         let mut sides = Vec::with_capacity(faces.len());
         for (f, &face) in faces.iter().enumerate() {
-            let own = mesh.face_halfedges(face).map(|h| {
-                2 * edges.binary_search(&h.edge()).unwrap_or(0) as u32 + (h.0 & 1)
-            });
+            let own = mesh
+                .face_halfedges(face)
+                .map(|h| 2 * edges.binary_search(&h.edge()).unwrap_or(0) as u32 + (h.0 & 1));
             for i in 0..3 {
                 given.next[own[i] as usize] = own[(i + 1) % 3];
                 given.face[own[i] as usize] = f as u32;
@@ -131,7 +131,8 @@ impl Part {
         };
         let asked: Vec<Condition> = part.vertices.iter().map(|v| conditions[v.index()]).collect();
         part.is_floating = asked.iter().all(|c| matches!(c, Condition::Angle(_)));
-        let unusable = || part.unusable_face(mesh, lengths).map(|face| NoChart::Degenerate { face });
+        let unusable =
+            || part.unusable_face(mesh, lengths).map(|face| NoChart::Degenerate { face });
         part.solver = match no_chart.or_else(unusable) {
             Some(reason) => Err(reason),
             None => {
@@ -160,8 +161,7 @@ impl Part {
     }
 
     fn solver_on(&self, tri: Triangulation, asked: &[Condition], start: &[f64]) -> Solver {
-        let is_given: Vec<bool> =
-            asked.iter().map(|c| matches!(c, Condition::Scale(_))).collect();
+        let is_given: Vec<bool> = asked.iter().map(|c| matches!(c, Condition::Scale(_))).collect();
         let (mut v, mut targets) = (Vec::new(), Vec::new());
         for (condition, &start) in asked.iter().zip(start) {
             match *condition {

@@ -33,10 +33,7 @@ pub(super) fn side_of_halfedges(mesh: &Mesh) -> Vec<usize> {
 /// Places the faces of every patch that is a disk.
 ///
 /// **Takes** every face laid flat, or why it is not. **Costs** O(F).
-pub(super) fn place(
-    opened: &OpenedMesh,
-    developed: &[Result<[Developed; 3], NoChart>],
-) -> Placed {
+pub(super) fn place(opened: &OpenedMesh, developed: &[Result<[Developed; 3], NoChart>]) -> Placed {
     let mesh = &opened.mesh;
     let nowhere = Point2::new(f64::NAN, f64::NAN);
     let mut placed =
@@ -142,8 +139,7 @@ pub(super) fn flipped_faces(
 /// Largest |ln| of the ratio of the lengths of partners in their charts.
 pub(super) fn partner_mismatch(opened: &OpenedMesh, uv: &[Point2<f64>]) -> f64 {
     let mesh = &opened.mesh;
-    let length =
-        |h: HalfedgeId| (uv[mesh.tip(h).index()] - uv[mesh.tail(h).index()]).norm();
+    let length = |h: HalfedgeId| (uv[mesh.tip(h).index()] - uv[mesh.tail(h).index()]).norm();
     let mut worst: f64 = 0.0;
     for h in mesh.faces().flat_map(|f| mesh.face_halfedges(f)) {
         if let Some(partner) = opened.partner(h) {

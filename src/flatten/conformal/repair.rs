@@ -104,8 +104,7 @@ impl Quad {
         let corners = [a, b, k, l].map(|z| Point2::new(z.re, z.im));
         corners.iter().all(|p| (p.x + p.y).is_finite()).then_some(())?;
         let point = |h: HalfedgeId| opened.vertex_points[mesh.tail(h).index()];
-        let points =
-            [point(h), point(mesh.next(h)), point(mesh.prev(h)), point(mesh.prev(other))];
+        let points = [point(h), point(mesh.next(h)), point(mesh.prev(h)), point(mesh.prev(other))];
         Some(Self { across: sides[other.index()], corners, points, turn, shift })
     }
 
@@ -122,12 +121,7 @@ impl Quad {
         let s = share([(k - a).norm(), (k - b).norm(), (l - a).norm(), (l - b).norm()]);
         let here = k + (l - k) * s;
         let there = (as_complex(here) - self.shift) * self.turn.conj();
-        Insertion {
-            side,
-            t,
-            across: self.across,
-            places: [here, Point2::new(there.re, there.im)],
-        }
+        Insertion { side, t, across: self.across, places: [here, Point2::new(there.re, there.im)] }
     }
 }
 

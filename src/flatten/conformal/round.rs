@@ -93,7 +93,14 @@ impl Round {
                 balance(&mut conditions, &vertices, needed)?;
             }
             parts.push(Part::new(
-                mesh, faces, &lengths, mollified, &conditions, start, limits, no_chart,
+                mesh,
+                faces,
+                &lengths,
+                mollified,
+                &conditions,
+                start,
+                limits,
+                no_chart,
             ));
         }
         Ok(Self { surface, whole, by_patch, conditions, parts, mollified })
@@ -295,8 +302,7 @@ impl Round {
         layout.partner_mismatch = partner_mismatch(&opened, &uv);
         layout.inserted = refined.points_added;
         layout.flattening = Flattening { charts, uv, u, ..old.clone() };
-        layout.surface =
-            CutSurface { cut: refined.cut, positions: refined.positions, opened };
+        layout.surface = CutSurface { cut: refined.cut, positions: refined.positions, opened };
         Ok(())
     }
 

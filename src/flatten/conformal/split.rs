@@ -46,12 +46,15 @@ pub(super) fn split(
     let mut middle = vec![None; whole.edge_count()];
     for e in whole.edges() {
         let Some(t) = at[e.index()] else { continue };
-        let Some(face) = whole.face(e.halfedge()).or_else(|| whole.face(e.halfedge().twin())) else {
+        let Some(face) = whole.face(e.halfedge()).or_else(|| whole.face(e.halfedge().twin()))
+        else {
             continue;
         };
         let [a, b] = whole.edge_vertices(e);
         let ends = [a, b].map(|v| cut.points[v.index()]);
-        let Some(point) = between(base, cut.triangle_faces[face.index()], ends, t) else { continue };
+        let Some(point) = between(base, cut.triangle_faces[face.index()], ends, t) else {
+            continue;
+        };
         middle[e.index()] = Some(refined.cut.points.len() as u32);
         refined.cut.points.push(point);
         let [a, b] = [a, b].map(|v| positions[v.index()]);
@@ -115,12 +118,7 @@ fn divide(
 }
 
 /// The point (1 − t) a + t b of a face.
-fn between(
-    base: &Mesh,
-    face: FaceId,
-    [a, b]: [SurfacePoint; 2],
-    t: f64,
-) -> Option<SurfacePoint> {
+fn between(base: &Mesh, face: FaceId, [a, b]: [SurfacePoint; 2], t: f64) -> Option<SurfacePoint> {
     let (a, b) = (weights(base, face, a)?, weights(base, face, b)?);
     let w = [0, 1, 2].map(|i| (1.0 - t) * a[i] + t * b[i]);
     let Some(k) = (0..3).find(|&k| w[k] == 0.0) else { return Some(SurfacePoint::Face(face, w)) };
@@ -157,7 +155,8 @@ mod tests {
     /// Every division of a triangle keeps its orientation and area and uses all points.
     #[test]
     fn a_triangle_is_divided_whole_whatever_sides_have_points() {
-        let places = [[0.0, 0.0], [3.0, 0.0], [1.0, 2.0], [1.2, 0.0], [2.0, 1.0], [0.4, 0.8]];
+        let places: [[f64; 2]; 6] =
+            [[0.0, 0.0], [3.0, 0.0], [1.0, 2.0], [1.2, 0.0], [2.0, 1.0], [0.4, 0.8]];
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|p| places[p as usize]);
             0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

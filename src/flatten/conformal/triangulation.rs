@@ -242,12 +242,18 @@ mod tests {
         for h in [0, 1] {
             let mut after = before.clone();
             after.flip(h);
-            assert_eq!([after.tail[h as usize], after.tip(h)], if h == 0 { [2, 3] } else { [3, 2] });
+            assert_eq!(
+                [after.tail[h as usize], after.tip(h)],
+                if h == 0 { [2, 3] } else { [3, 2] }
+            );
             for f in 0..2 {
                 assert!(after.sides(f).iter().all(|&s| after.face[s as usize] == f as u32));
             }
             after.unflip(h);
-            assert_eq!((&after.next, &after.tail, &after.face), (&before.next, &before.tail, &before.face));
+            assert_eq!(
+                (&after.next, &after.tail, &after.face),
+                (&before.next, &before.tail, &before.face)
+            );
         }
     }
 
