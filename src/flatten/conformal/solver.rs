@@ -89,6 +89,8 @@ pub(super) struct Solver {
     pub steps: usize,
     pub factorisations: usize,
     pub analyses: usize,
+    /// Number of flips at the last of them.
+    analysed_at: Option<usize>,
     /// Steps of the line search that were rejected.
     pub rejected: usize,
     tolerance: f64,
@@ -145,6 +147,7 @@ impl Solver {
             steps: 0,
             factorisations: 0,
             analyses: 0,
+            analysed_at: None,
             rejected: 0,
             tolerance,
             most_steps,
@@ -358,7 +361,8 @@ impl Solver {
             _ => {
                 let ends: Vec<[u32; 2]> = pairs.iter().map(|p| p.1).collect();
                 let (pattern, slots) = Pattern::new(self.row_count, &ends);
-                self.analyses += 1;
+                // A clone analyses again what counts once.
+                self.analyses += usize::from(self.analysed_at.replace(flips) != Some(flips));
                 (Arc::new(Analysis::new(pattern)?), slots, None)
             }
         };
