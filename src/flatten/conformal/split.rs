@@ -155,7 +155,8 @@ mod tests {
     /// Every division of a triangle keeps its orientation and area and uses all points.
     #[test]
     fn a_triangle_is_divided_whole_whatever_sides_have_points() {
-        let places = [[0.0, 0.0], [3.0, 0.0], [1.0, 2.0], [1.2, 0.0], [2.0, 1.0], [0.4, 0.8]];
+        let places: [[f64; 2]; 6] =
+            [[0.0, 0.0], [3.0, 0.0], [1.0, 2.0], [1.2, 0.0], [2.0, 1.0], [0.4, 0.8]];
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|p| places[p as usize]);
             0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

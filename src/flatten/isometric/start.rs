@@ -13,7 +13,7 @@ use crate::linalg::LinalgError;
 use crate::mesh::{OpenedMesh, VertexId};
 
 /// What the refinement of a patch began with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
     /// The given chart.
     Given,
