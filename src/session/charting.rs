@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 use nalgebra::Point3;
 
 use super::message::ParamSpec;
+use super::outlines::Outline;
 use super::params::Settings;
 use super::specs::{choice, switch};
 use super::text::{Problem, capital, plural};
@@ -19,7 +20,7 @@ use crate::flatten::conformal::{
 };
 use crate::flatten::lscm::{dcp, lscm};
 use crate::flatten::split::{Flips, SplitParams, split_overlaps};
-use crate::flatten::{Flattening, bff, bff_scaled};
+use crate::flatten::{Flattening, TargetError, bff, bff_scaled};
 use crate::geometry::Geometry;
 use crate::linalg::LinalgError;
 use crate::mesh::{CutMesh, Mesh, MeshError, OpenedMesh};
@@ -77,6 +78,8 @@ pub struct Charting {
     pub by: FlattenBy,
     /// Whether charts that overlap themselves are split.
     pub splits: bool,
+    /// What outlines are to be. Cones keep theirs.
+    pub outline: Outline,
 }
 
 /// Which flattening.
@@ -113,14 +116,18 @@ impl FlattenBy {
 
 impl Default for Charting {
     fn default() -> Self {
-        Self { by: FlattenBy::Auto, splits: true }
+        Self { by: FlattenBy::Auto, splits: true, outline: Outline::TrueLength }
     }
 }
 
 impl Charting {
     /// As the parameters say.
     pub fn of(settings: &Settings) -> Self {
-        Self { by: FlattenBy::of(settings.text("flatten")), splits: settings.is_on("split") }
+        Self {
+            by: FlattenBy::of(settings.text("flatten")),
+            splits: settings.is_on("split"),
+            outline: Outline::of(settings.text("outline")),
+        }
     }
 }
 
@@ -133,6 +140,9 @@ pub enum ChartError {
     /// Angles that no flat surface has.
     #[error(transparent)]
     Conformal(#[from] ConformalError),
+    /// An outline that no chart has.
+    #[error(transparent)]
+    Target(#[from] TargetError),
 }
 
 impl From<LinalgError> for ChartError {
@@ -151,6 +161,11 @@ impl ChartError {
     /// As a person reads it.
     pub fn problem(&self, name: &str) -> Problem {
         match self {
+            Self::Target(error) => Problem::new(
+                format!("{}.", capital(&error.to_string())),
+                format!("{name}, outline of a chart."),
+                "Choose another outline.",
+            ),
             Self::Solve(error) | Self::Conformal(ConformalError::Solve(error)) => {
                 Problem::solve(name, error)
             }
@@ -232,7 +247,14 @@ impl Patches<'_> {
         metric: Option<&ConeMetric>,
     ) -> Result<Charted, ChartError> {
         let seam_cost = self.seam_cost;
+        let is_shaped = metric.is_none() && charting.outline != Outline::TrueLength;
         let mut charted = match charting.by {
+            FlattenBy::Auto | FlattenBy::Bff if is_shaped => {
+                let geometry = measure_opened(&self.opened, &self.points);
+                let mut flattening = bff(&self.opened, &geometry)?;
+                charting.outline.shape(&self.opened, &geometry, &mut flattening, &[])?;
+                self.charted(geometry, flattening, "bff")
+            }
             FlattenBy::Auto => self.best(metric)?,
             FlattenBy::Conformal => {
                 let conformal = self.conformal(metric)?;

@@ -2,11 +2,12 @@
 
 use serde::Deserialize;
 
-use super::charting::Charting;
+use super::charting::{ChartError, Charting};
 use super::layout::Layout;
 use super::refining::Refinement;
 use super::surface::Surface;
 use super::text::Problem;
+use crate::flatten::flatten_sphere;
 use crate::mesh::{CutMesh, VertexId};
 use crate::methods::cutflow::labelled_cut;
 use crate::pattern;
@@ -98,6 +99,25 @@ pub fn cut_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<CutM
     Ok(labelled_cut(&surface.mesh, &surface.geometry, &labels, place))
 }
 
+/// A closed surface without handles on the unit sphere: an OBJ with the file's vertices, in their order, and its triangles.
+pub fn sphere_obj(surface: &Surface) -> Result<Vec<u8>, Problem> {
+    let map = flatten_sphere(&surface.mesh, &surface.geometry)
+        .map_err(|error| ChartError::from(error).problem(&surface.name))?;
+    let mut places = vec![[0.0; 3]; surface.soup.positions.len()];
+    for (v, place) in map.positions.iter().enumerate() {
+        places[surface.soup_vertices[v] as usize] = (*place).into();
+    }
+    let mut text = String::from("# Cutflow: the surface on the unit sphere, conformally\n");
+    for [x, y, z] in places {
+        text += &format!("v {x} {y} {z}\n");
+    }
+    for corners in surface.mesh.triangles() {
+        let [a, b, c] = corners.map(|v| surface.soup_vertices[v.index()] + 1);
+        text += &format!("f {a} {b} {c}\n");
+    }
+    Ok(text.into_bytes())
+}
+
 /// Flattens a surface along a cut, or along cuts to disks only. **Takes** what to even out: `none`, `dirichlet` or `arap`.
 /// **Gives** the layout and the bytes of `uv.obj`.
 pub fn surface_layout(
@@ -109,8 +129,9 @@ pub fn surface_layout(
     let cut = cut.unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
     let mut layout =
         Layout::full(surface, cut, charting, None).map_err(|error| error.problem(&surface.name))?;
-    if let Some(mut refinement) = Refinement::begin(surface, &layout, refine, &[])? {
-        refinement.finish(surface, &mut layout)?;
+    let wrong = |error| Problem::solve(&surface.name, &error);
+    if let Some(mut refinement) = Refinement::begin(&layout, refine, &[]).map_err(wrong)? {
+        refinement.finish(surface, &mut layout).map_err(wrong)?;
     }
     let bytes =
         pattern::uv_obj(&layout.surface(surface, None), &layout.charts, 1.0 / surface.frame.scale);

@@ -21,6 +21,7 @@ mod layout;
 mod message;
 mod method;
 mod notices;
+mod outlines;
 mod overlays;
 mod paint;
 mod params;
@@ -54,7 +55,7 @@ pub use charting::{Charting, FlattenBy};
 pub use cones::{
     ConeComparisonRow, ConePathPoint, ConeReport, ConeRow, ConeTable, ConesReport, RoundedReport,
 };
-pub use cut_file::{cut_from_json, surface_layout};
+pub use cut_file::{cut_from_json, sphere_obj, surface_layout};
 pub use document::Document;
 pub use layout::Layout;
 pub use message::{
@@ -64,6 +65,7 @@ pub use message::{
     ToolSpec, Value,
 };
 pub use method::Method;
+pub use outlines::Outline;
 pub use params::{Effect, Settings};
 pub use regions::FaceSource;
 pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport, RefinedReport};
@@ -231,6 +233,8 @@ impl Session {
                 self.cones_advance(&mut events)
             } else if self.is_folding() {
                 self.fold_on(&mut events)
+            } else if self.is_refining() {
+                self.refine_on(&mut events)
             } else if self.first_cut_is_due() {
                 self.make_first_cut(&mut events);
                 Ok(())
@@ -273,6 +277,7 @@ impl Session {
             || self.first_cut_is_due()
             || self.is_behind()
             || self.is_folding()
+            || self.is_refining()
             || self.cones_have_work()
     }
 
@@ -434,6 +439,7 @@ impl Session {
         if !work.is_settled {
             work.settle()?;
         }
+        work.finish_refinement()?;
         Ok(work)
     }
 
@@ -761,7 +767,10 @@ impl Session {
         let step = work.step();
         let limit = work.settings.number("steps");
         let folding = work.fold.as_ref().filter(|fold| fold.is_running);
-        let (state, text) = if let Some(fold) = folding {
+        let refining = work.refinement.as_ref().filter(|_| self.is_refining());
+        let (state, text) = if let Some(refinement) = refining {
+            ("running", format!("Running step {} of evening out", refinement.steps() + 1))
+        } else if let Some(fold) = folding {
             ("running", format!("Running step {} of the fold preview", fold.flow.steps()))
         } else if let Some(preparation) = &self.preparation {
             ("preparing", preparation.status())

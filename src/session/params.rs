@@ -174,7 +174,7 @@ impl Settings {
             // Decides where cells are, too.
             "seed" if self.text("init") == "random" => Effect::Restart,
             "coarse" => Effect::Restart,
-            "straighten" | "snap" | "flatten" | "split" | "refine" => Effect::Finish,
+            "straighten" | "snap" | "flatten" | "outline" | "split" | "refine" => Effect::Finish,
             "round" if self.text("choose_by") == "count" => Effect::Cones,
             "round" | "debias" | "seam_hiding" => Effect::ConeSet,
             id if cones::specs().iter().any(|spec| spec.id == id) => Effect::Cones,
@@ -284,6 +284,7 @@ const IDS: &[&str] = &[
     "multiresolution",
     "flatten",
     "refine",
+    "outline",
     "split",
 ];
 

@@ -1,15 +1,133 @@
-//! Evening out (comes with the flow).
+//! Evening out charts: a flow on the charts at rest, whose every step is a picture.
 
 use super::layout::Layout;
+use super::message::Event;
+use super::report::RefinedReport;
 use super::surface::Surface;
 use super::text::Problem;
+use super::work::Work;
+use super::{Session, nothing_open};
+use crate::flatten::isometric::{Distortion, IsometricFlow, IsometricParams};
+use crate::mesh::{SurfacePoint, VertexId};
+use crate::methods::flow::{Flow, SolveError, Status};
 
-pub struct Refinement;
+/// Steps after which charts rest whatever is left: nearly all of the stretch that can go has gone long before.
+const STEPS: usize = 200;
+
+/// Pins as strong as this hold.
+const HELD: f64 = 0.5;
+
+/// Charts that are being evened out.
+pub(super) struct Refinement {
+    flow: IsometricFlow,
+    energy: &'static str,
+    before: f64,
+    /// Whether there is more to do.
+    pub is_running: bool,
+}
+
 impl Refinement {
-    pub fn begin(_: &Surface, _: &Layout, _: &str, _: &[f64]) -> Result<Option<Self>, Problem> {
-        Ok(None)
+    /// From the charts of a layout. **Takes** what is to be evened out (`none`, `dirichlet`, `arap`) and how firmly vertices of
+    /// the surface are pinned; empty for not at all. **Gives** nothing where nothing is asked for.
+    pub fn begin(layout: &Layout, energy: &str, pins: &[f64]) -> Result<Option<Self>, SolveError> {
+        let (energy, distortion) = match energy {
+            "dirichlet" => ("dirichlet", Distortion::SymmetricDirichlet),
+            "arap" => ("arap", Distortion::Arap),
+            _ => return Ok(None),
+        };
+        let params = IsometricParams { distortion, ..IsometricParams::default() };
+        let (opened, geometry) = (&layout.opened, &layout.geometry);
+        let mut flow = IsometricFlow::new(opened, geometry, &layout.flattening, params)?;
+        let is_pinned = |&v: &usize| match layout.cut.points[opened.vertex_points[v] as usize] {
+            SurfacePoint::Vertex(own) => pins.get(own.index()).is_some_and(|pin| *pin >= HELD),
+            _ => false,
+        };
+        let starts = flow.starts().to_vec();
+        let place = |v: usize| {
+            let takes_part = starts[layout.vertex_patches[v] as usize].is_refined();
+            let id = VertexId(u32::try_from(v).ok()?);
+            takes_part.then(|| (id, flow.state().place(id)))
+        };
+        let held: Vec<_> =
+            (0..opened.mesh.vertex_count()).filter(is_pinned).filter_map(place).collect();
+        flow.set_pins(&held)?;
+        let before = flow.state().energy().distortion;
+        Ok(Some(Self { flow, energy, before, is_running: true }))
     }
-    pub fn finish(&mut self, _: &Surface, _: &mut Layout) -> Result<(), Problem> {
+
+    /// One step; the layout follows.
+    pub fn step(&mut self, surface: &Surface, layout: &mut Layout) -> Result<(), SolveError> {
+        let report = self.flow.step();
+        let is_over = !matches!(&report, Ok(report) if report.status == Status::Running);
+        if is_over || self.flow.steps() >= STEPS {
+            self.is_running = false;
+        }
+        report?;
+        let state = self.flow.state();
+        let report = RefinedReport {
+            energy: self.energy,
+            steps: self.flow.steps(),
+            before: self.before,
+            after: state.energy().distortion,
+            seam_difference: state.seam_difference(),
+        };
+        layout.refine(surface, self.flow.flattening(), report);
+        Ok(())
+    }
+
+    /// All steps that are left.
+    pub fn finish(&mut self, surface: &Surface, layout: &mut Layout) -> Result<(), SolveError> {
+        while self.is_running {
+            self.step(surface, layout)?;
+        }
+        Ok(())
+    }
+
+    /// Steps made.
+    pub fn steps(&self) -> usize {
+        self.flow.steps()
+    }
+}
+
+impl Work {
+    /// Begins to even out charts at rest, if that is asked for.
+    pub(super) fn begin_refinement(&mut self) -> Result<(), Problem> {
+        let Some(layout) = &self.layout else { return Ok(()) };
+        let energy = self.settings.text("refine");
+        self.refinement = Refinement::begin(layout, energy, &self.layers.pin)
+            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        Ok(())
+    }
+
+    /// Evens out to the end.
+    pub(super) fn finish_refinement(&mut self) -> Result<(), Problem> {
+        let (Some(refinement), Some(layout)) = (&mut self.refinement, &mut self.layout) else {
+            return Ok(());
+        };
+        let surface = self.document.surface()?;
+        refinement
+            .finish(surface, layout)
+            .map_err(|error| Problem::solve(&self.document.name, &error))
+    }
+}
+
+impl Session {
+    pub(super) fn is_refining(&self) -> bool {
+        let refinement = self.work.as_ref().and_then(|work| work.refinement.as_ref());
+        !self.is_running && refinement.is_some_and(|refinement| refinement.is_running)
+    }
+
+    pub(super) fn refine_on(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        let (Some(refinement), Some(layout)) = (&mut work.refinement, &mut work.layout) else {
+            return Ok(());
+        };
+        let surface = work.document.surface()?;
+        refinement
+            .step(surface, layout)
+            .map_err(|error| Problem::solve(&work.document.name, &error))?;
+        self.scene_is_new = true;
+        events.push(work.measures());
         Ok(())
     }
 }

@@ -39,6 +39,9 @@ impl Session {
         if let Some(fold) = self.work.as_mut().and_then(|work| work.fold.as_mut()) {
             fold.is_running = false;
         }
+        if let Some(refinement) = self.work.as_mut().and_then(|work| work.refinement.as_mut()) {
+            refinement.is_running = false;
+        }
         if self.work.as_ref().is_some_and(|work| !work.is_settled) {
             self.settle(events);
         }

@@ -12,6 +12,7 @@ use super::layout::{Finish, Layout};
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
 use super::method::Method;
 use super::params::Settings;
+use super::refining::Refinement;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
 use super::surface::Surface;
 use super::text::Problem;
@@ -51,6 +52,8 @@ pub(super) struct Work {
     /// One step of the paper's flow from the current cut, for whoever wants to see it.
     pub stages: Option<Stages>,
     pub fold: Option<Fold>,
+    /// Charts at rest that are evened out.
+    pub refinement: Option<Refinement>,
     pub flow: Option<CutFlow>,
     pub history: Vec<HistoryRow>,
     pub layout: Option<Layout>,
@@ -105,10 +108,12 @@ impl Work {
     ///
     /// **Takes** the field that is painted. **Gives** the one that the other method had painted, if it was shown before.
     pub fn change_method(&mut self, method: Method, field: &str) -> Option<String> {
+        // What is evened out half begins again when it is shown again.
+        let is_unfinished = self.refinement.take().is_some_and(|refinement| refinement.is_running);
         let shelf = Shelf {
             field: field.to_owned(),
             layout: self.layout.take(),
-            is_settled: std::mem::take(&mut self.is_settled),
+            is_settled: std::mem::take(&mut self.is_settled) && !is_unfinished,
             start: self.start.take(),
         };
         self.method = method;
@@ -219,6 +224,7 @@ impl Work {
             symmetries: None,
             stages: None,
             fold: None,
+            refinement: None,
             flow,
             history,
             layout: None,
@@ -263,17 +269,19 @@ impl Work {
             }
         }
         // Nothing is repaired while the cut moves: that would be another cut.
-        let charting = Charting { by: FlattenBy::Bff, splits: false };
+        let by = FlattenBy::Bff;
+        let charting = Charting { by, splits: false, ..Charting::default() };
         let layout = Layout::full(surface, self.cut_mesh(surface), &charting, packing)
             .map_err(|error| error.problem(&surface.name))?;
         self.put_layout(layout);
         Ok(())
     }
 
-    /// A fold belongs to the layout that it was made of.
+    /// A fold belongs to the layout that it was made of, and so does a refinement.
     fn put_layout(&mut self, layout: Layout) {
         self.layout = Some(layout);
         self.fold = None;
+        self.refinement = None;
     }
 
     pub fn settle(&mut self) -> Result<(), Problem> {
@@ -286,7 +294,7 @@ impl Work {
                 .map_err(|error| error.problem(&surface.name))?;
             self.put_layout(layout);
             self.is_settled = true;
-            return Ok(());
+            return self.begin_refinement();
         }
         // The whole layout takes the most memory of all: what it does not need makes room for it.
         if let Some(flow) = &mut self.flow {
@@ -306,7 +314,7 @@ impl Work {
         if self.start.is_none() {
             self.start = Some(self.rows());
         }
-        Ok(())
+        self.begin_refinement()
     }
 
     /// Millimetres per √area.

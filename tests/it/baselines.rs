@@ -353,9 +353,8 @@ fn mean_values_take_over_where_obtuse_triangles_flip_on_a_convex_rim() {
         let angle = TAU * i as f64 / rim.len() as f64;
         places[sheet.opened.mesh.tail(h).index()] = Point2::new(angle.cos(), angle.sin());
     }
-    let fill = |order: &[Interior]| {
-        fixed_rim(&sheet.opened, &sheet.geometry, &places, order).unwrap()
-    };
+    let fill =
+        |order: &[Interior]| fixed_rim(&sheet.opened, &sheet.geometry, &places, order).unwrap();
     let harmonic = fill(&[Interior::Harmonic]);
     assert!(harmonic.flipped[0] > 0, "the case is meant to flip");
     let map = fill(&INTERIORS);

@@ -28,7 +28,11 @@ fn fixed(text: &str) -> i128 {
     let (whole, part) = digits.split_once('.').unwrap_or((digits, ""));
     let value: i128 = format!("{whole}{part}").parse().unwrap();
     let shift = 18 + exponent - part.len() as i32;
-    sign * if shift >= 0 { value * 10i128.pow(shift as u32) } else { value / 10i128.pow(shift.unsigned_abs().min(38)) }
+    sign * if shift >= 0 {
+        value * 10i128.pow(shift as u32)
+    } else {
+        value / 10i128.pow(shift.unsigned_abs().min(38))
+    }
 }
 
 fn turn([a, b, c]: [Point; 3]) -> i128 {
@@ -167,8 +171,22 @@ fn exported_samples_have_no_triangle_turned_over_and_nothing_covered_twice() {
 #[test]
 fn exported_meshes_of_all_kinds_have_no_triangle_turned_over_and_nothing_covered_twice() {
     for name in [
-        "spot.obj", "cheburashka.obj", "rocker-arm.obj", "fandisk.obj", "homer.obj", "koala.stl", "torus.obj", "fertility.off",
-        "double-torus.obj", "hand.obj", "chair.obj", "hood.obj", "beetle.obj", "milk-truck.glb", "bunny-closed.obj", "face.obj",
+        "spot.obj",
+        "cheburashka.obj",
+        "rocker-arm.obj",
+        "fandisk.obj",
+        "homer.obj",
+        "koala.stl",
+        "torus.obj",
+        "fertility.off",
+        "double-torus.obj",
+        "hand.obj",
+        "chair.obj",
+        "hood.obj",
+        "beetle.obj",
+        "milk-truck.glb",
+        "bunny-closed.obj",
+        "face.obj",
     ] {
         let path = format!("{}/../shared/meshes/{name}", env!("CARGO_MANIFEST_DIR"));
         #[expect(clippy::disallowed_methods, reason = "tests read their files")]

@@ -88,7 +88,8 @@ fn a_developable_surface_is_found_again_from_a_bad_start() {
             let mut start = charts(&sheet);
             // Sheared, of twice the size: Newton has to find both size and shape.
             start.uv.iter_mut().for_each(|p| *p = Point2::new(2.0 * p.x + 0.9 * p.y, 1.7 * p.y));
-            let params = IsometricParams { distortion, tolerance: 1e-9, ..IsometricParams::default() };
+            let params =
+                IsometricParams { distortion, tolerance: 1e-9, ..IsometricParams::default() };
             let mut flow = flow(&sheet, &start, params);
             run_checked(&sheet, &mut flow, 60);
             let worst = strain(&sheet, &flow.flattening().uv);

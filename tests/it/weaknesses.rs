@@ -9,7 +9,9 @@ use cutflow::mesh::Soup;
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams};
 use cutflow::methods::flow::{Flow, Status};
 use cutflow::methods::straighten::{StraightenParams, straighten};
-use cutflow::session::{Charting, FlattenBy, Command, Document, FlattenReport, Session, Value, samples, surface_layout};
+use cutflow::session::{
+    Charting, Command, Document, FlattenBy, FlattenReport, Session, Value, samples, surface_layout,
+};
 use nalgebra::Point3;
 
 use crate::cutting::{clusters, flow, plane, regions, weights};
@@ -246,7 +248,13 @@ fn weakness_5_a_handle_is_cut_open_and_flattens_without_a_flipped_triangle() {
         let document = Document::from_bytes("handle.obj", text.as_bytes()).unwrap();
         let surface = document.surface().unwrap();
         assert_eq!(surface.topology.genus, if name == "torus" { 1 } else { 2 });
-        let (layout, _) = surface_layout(surface, None, &Charting { by: FlattenBy::Bff, splits: false }, "none").unwrap();
+        let (layout, _) = surface_layout(
+            surface,
+            None,
+            &Charting { by: FlattenBy::Bff, splits: false, ..Charting::default() },
+            "none",
+        )
+        .unwrap();
         let report = FlattenReport::new(&layout, None);
         assert_eq!(report.totals.flipped, 0, "{name}");
         assert!(report.charts.iter().all(Option::is_some) && report.seams_equal, "{name}");

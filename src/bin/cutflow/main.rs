@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cutflow::session::{
-    Charting, Command, Document, Event, FlattenBy, FlattenReport, InfoReport, Layout, Problem,
-    Session, Value, cut_from_json, settings_for, surface_layout,
+    Charting, Command, Document, Event, FlattenBy, FlattenReport, InfoReport, Layout, Outline,
+    Problem, Session, Value, cut_from_json, settings_for, sphere_obj, surface_layout,
 };
 
 /// Prints a line. A reader that has gone away is no error: `cutflow info mesh.obj | head -1` is a good question.
@@ -126,6 +126,32 @@ impl Method {
     }
 }
 
+/// What outlines are to be.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Shape {
+    /// As long as on the surface.
+    Length,
+    /// Whatever distorts areas least.
+    Free,
+    /// A circle.
+    Disk,
+    /// A rectangle.
+    Rectangle,
+    /// A closed surface without handles as the unit sphere: the output has its places as positions.
+    Sphere,
+}
+
+impl Shape {
+    fn id(self) -> &'static str {
+        match self {
+            Self::Length | Self::Sphere => "length",
+            Self::Free => "free",
+            Self::Disk => "disk",
+            Self::Rectangle => "rectangle",
+        }
+    }
+}
+
 /// What evening out makes small.
 #[derive(Clone, Copy, ValueEnum)]
 enum Isometric {
@@ -157,6 +183,9 @@ struct FlattenArgs {
     /// How to flatten.
     #[arg(long, value_enum, default_value = "auto")]
     method: Method,
+    /// What the outline of every chart is to be; cones keep theirs.
+    #[arg(long, value_enum, conflicts_with = "cones")]
+    outline: Option<Shape>,
     /// Evens the stretch out afterwards, as cloth and sheet metal want it: nothing turns over, seams stay equally long.
     #[arg(long, value_enum, num_args = 0..=1, default_missing_value = "dirichlet", value_name = "ENERGY")]
     isometric: Option<Isometric>,
@@ -296,6 +325,11 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
             "Choose a name that ends in .obj.",
         ));
     }
+    if args.outline == Some(Shape::Sphere) {
+        write(&args.output, &sphere_obj(surface)?)?;
+        say!("{} on the unit sphere", document.name);
+        return Ok(());
+    }
     if let Some(path) = &args.cones {
         let clock = clock();
         let choices = [
@@ -314,7 +348,11 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
         Some(path) => Some(cut_from_json(surface, &path.display().to_string(), &read(path)?)?),
     };
     let clock = clock();
-    let charting = Charting { by: FlattenBy::of(args.method.id()), splits: !args.keep_overlaps };
+    let charting = Charting {
+        by: FlattenBy::of(args.method.id()),
+        splits: !args.keep_overlaps,
+        outline: args.outline.map_or(Outline::TrueLength, |outline| Outline::of(outline.id())),
+    };
     let (layout, uv) = surface_layout(surface, cut, &charting, refine)?;
     let seconds = clock.elapsed().as_secs_f64();
     let report = FlattenReport::new(&layout, Some(seconds));

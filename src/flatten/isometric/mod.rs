@@ -465,11 +465,13 @@ impl IsometricFlow {
         for _ in 0..TRIALS {
             let x = along(&self.state.places, d, length);
             let energy = self.model.energy(&x, &self.forces);
-            let is_lower = energy.total < before && energy.total <= before + ARMIJO * length * slope;
+            let is_lower =
+                energy.total < before && energy.total <= before + ARMIJO * length * slope;
             if is_lower && self.model.is_upright(&x) {
                 let crosses = self.params.guard_rims && {
                     let now = self.rim_crossings(&x);
-                    let known = crossed.get_or_insert_with(|| self.rim_crossings(&self.state.places));
+                    let known =
+                        crossed.get_or_insert_with(|| self.rim_crossings(&self.state.places));
                     now.iter().zip(known.iter()).any(|(now, before)| now > before)
                 };
                 if !crosses {

@@ -82,13 +82,10 @@ impl Model {
         let area = geometry.total_area();
         let is_free: Vec<bool> = mesh
             .vertices()
-            .map(|v| {
-                mesh.halfedge(v).is_some() && starts[patches[v.index()] as usize].is_refined()
-            })
+            .map(|v| mesh.halfedge(v).is_some() && starts[patches[v.index()] as usize].is_refined())
             .collect();
-        let refined = |f: &crate::mesh::FaceId| {
-            starts[opened.face_patches[f.index()] as usize].is_refined()
-        };
+        let refined =
+            |f: &crate::mesh::FaceId| starts[opened.face_patches[f.index()] as usize].is_refined();
         let numbers: Vec<_> = mesh.faces().filter(refined).collect();
         let faces: Vec<Face> =
             numbers.iter().map(|f| rest_face(opened, geometry, f.index(), area)).collect();
@@ -185,7 +182,8 @@ impl Model {
             let h = face.derivatives(self.distortion, x, true, &mut gradient);
             self.scatter(&mut values, &face.corners, slots, &h);
         }
-        for ((seam, slots), mu) in self.seams.iter().zip(&self.seam_slots).zip(&forces.multipliers) {
+        for ((seam, slots), mu) in self.seams.iter().zip(&self.seam_slots).zip(&forces.multipliers)
+        {
             let parts = [forces.stiffness * seam.weight, *mu];
             let h = seam.derivatives(x, parts, true, &mut gradient);
             self.scatter(&mut values, &seam.ends, slots, &h);
