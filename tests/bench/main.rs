@@ -2,6 +2,7 @@
 //!
 //! A ratio means something on a machine that is busy or slow; seconds do not. Each figure stands beside its limit.
 
+mod charts;
 mod memory;
 mod spheres;
 
@@ -377,6 +378,7 @@ fn main() {
         limit: None,
     });
 
+    rows.extend(charts::rows());
     rows.extend(import_speeds());
 
     for row in &rows {

@@ -46,7 +46,9 @@ fn choosing_the_method_finds_cones_joins_them_and_flattens() {
     assert!(table.kkt_residual < 1e-8, "{:e}", table.kkt_residual);
     // A closed surface of genus 0; rounding of a hundred angles.
     assert!((total(&table) - 4.0 * PI).abs() < 1e-9);
-    assert!((measure(&events, "Pieces") - 1.0).abs() < 1e-12);
+    // One disk, or more where it overlapped itself.
+    assert!(measure(&events, "Pieces") >= 1.0);
+    assert!(measure(&events, "Overlaps") < 0.5);
     assert!(measure(&events, "Cut length") > 0.0);
     assert!(measure(&events, "Flipped triangles") < 0.5);
     let scene = session.scene().unwrap();

@@ -9,6 +9,7 @@
 )]
 
 mod baselines;
+mod charts;
 mod closed_curves;
 mod cone_sessions;
 mod cones;

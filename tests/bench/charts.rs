@@ -1,0 +1,116 @@
+//! Figures of flattening: boundary first, conformal equivalence, the proof that nothing overlaps.
+
+use std::sync::Arc;
+
+use cutflow::flatten::conformal::{ConformalFlow, ConformalParams, RimCondition};
+use cutflow::flatten::{bff, validate};
+use cutflow::geometry::{Geometry, Laplacian};
+use cutflow::linalg::{Analysis, Factor};
+use cutflow::mesh::CutMesh;
+use cutflow::methods::cones::{
+    ConeFields, ConeFlow, ConeParams, RoundParams, round_clusters,
+};
+use cutflow::methods::cutflow::{Initial, initial_labels, labelled_cut};
+use cutflow::methods::cutgraph::{cut_through, cut_to_disks};
+use cutflow::methods::flow::{Flow, Status};
+use cutflow::session::Document;
+use nalgebra::Point3;
+
+use crate::{Row, factorisation, mean, seconds, sphere};
+
+/// Time of one solve with the factor of a mesh's Laplacian.
+fn solve(mesh: &cutflow::mesh::Mesh, geometry: &Geometry) -> f64 {
+    let laplacian = Laplacian::new(mesh, geometry);
+    let mut values = laplacian.values.clone();
+    for (v, area) in geometry.vertex_dual_areas(mesh).iter().enumerate() {
+        values[laplacian.pattern.diagonal(v)] += 0.01 * area;
+    }
+    let analysis = Arc::new(Analysis::new(laplacian.pattern).expect("memory suffices"));
+    let mut factor = Factor::new(analysis, &values).expect("the matrix is positive definite");
+    let mut x = vec![1.0; mesh.vertex_count()];
+    mean(10, || factor.solve(&mut x, 1))
+}
+
+/// A sphere cut into normal clusters, opened and measured.
+fn cut_sphere(frequency: u32) -> (cutflow::mesh::OpenedMesh, Geometry) {
+    let (mesh, geometry) = sphere(frequency);
+    let initial = Initial::NormalClusters { angle: 0.9, regions: 10 };
+    let labels = initial_labels(&mesh, &geometry, &initial).expect("a sphere has clusters").labels;
+    let mut cut: CutMesh = labelled_cut(&mesh, &geometry, &labels, |_| None);
+    let points: Vec<Point3<f64>> = cut.points.iter().map(|&p| geometry.locate(&mesh, p)).collect();
+    let disks = cut_to_disks(&mut cut, &points).expect("the cut can be opened");
+    let places = disks.opened.vertex_points.iter().map(|&p| points[p as usize]).collect();
+    let measured = Geometry::measure(&disks.opened.mesh, places);
+    (disks.opened, measured)
+}
+
+/// All of them.
+pub fn rows() -> Vec<Row> {
+    let mut rows = Vec::new();
+    let (opened, geometry) = cut_sphere(32);
+    let unit = factorisation(&opened.mesh, &geometry, 10);
+    let solve = solve(&opened.mesh, &geometry);
+    let time = mean(5, || {
+        bff(&opened, &geometry).expect("memory suffices");
+    });
+    rows.push(Row {
+        name: format!("BFF of {} vertices, over 2 factorisations + 8 solves", opened.mesh.vertex_count()),
+        value: time / (2.0 * unit + 8.0 * solve),
+        unit: "",
+        limit: Some(1.0),
+    });
+
+    let (opened, geometry) = cut_sphere(71);
+    let flattening = bff(&opened, &geometry).expect("memory suffices");
+    let mut is_valid = true;
+    let time = mean(3, || is_valid &= validate(&opened, &flattening, None).is_valid());
+    assert!(is_valid, "charts of a sphere's clusters are valid");
+    rows.push(Row {
+        name: format!("exact overlap test of {} triangles", opened.mesh.face_count()),
+        value: time,
+        unit: "s",
+        limit: Some(0.3),
+    });
+    rows.extend(conformal());
+    rows
+}
+
+/// Conformal equivalence with optimal cones on a generated animal.
+fn conformal() -> Vec<Row> {
+    let document = Document::from_sample("plush_bear").expect("it is a sample");
+    let surface = document.surface().expect("it can be cut");
+    let (mesh, geometry) = (&surface.mesh, &surface.geometry);
+    let params = ConeParams { lambda: 0.002, ..ConeParams::default() };
+    let mut flow = ConeFlow::new(mesh, geometry, &params, &ConeFields::default())
+        .expect("the bear has cones");
+    while flow.step().expect("it converges").status == Status::Running {}
+    let cones = round_clusters(mesh, geometry, &flow.state().cones, &RoundParams::default()).cones;
+    let vertices: Vec<_> = cones.iter().map(|c| c.vertex).collect();
+    let seams = cut_through(mesh, geometry, &vertices, &[]).expect("seams join them");
+    let points: Vec<_> = seams.cut.points.iter().map(|&p| geometry.locate(mesh, p)).collect();
+    let unit = factorisation(mesh, geometry, 10);
+    let mut report = None;
+    let time = seconds(|| {
+        let (rim, params) = (RimCondition::Isometric, ConformalParams::default());
+        let mut flow = ConformalFlow::on_surface(mesh, &seams.cut, &points, &cones, &rim, &params)
+            .expect("the cones are feasible");
+        while flow.step().expect("it converges").status == Status::Running {}
+        report = flow.result().map(|result| result.report);
+    });
+    let report = report.expect("it ended");
+    let steps = report.newton_steps as f64;
+    vec![
+        Row {
+            name: format!("conformal equivalence, {} cones: Newton steps", cones.len()),
+            value: steps,
+            unit: "",
+            limit: Some(8.0),
+        },
+        Row {
+            name: "the same, a step, flips and layout included".into(),
+            value: time / steps / unit,
+            unit: "factorisations",
+            limit: Some(1.5),
+        },
+    ]
+}
