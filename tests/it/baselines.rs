@@ -9,7 +9,9 @@ use cutflow::flatten::{Flattening, NoChart, bff, measure};
 use cutflow::geometry::Geometry;
 use cutflow::linalg::LinalgError;
 use cutflow::mesh::{CutMesh, Mesh, OpenedMesh};
+use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial, Weights};
 use cutflow::methods::cutgraph::cut_to_disks;
+use cutflow::methods::flow::Flow;
 use nalgebra::{Point2, Point3, Rotation3};
 
 use crate::surfaces::Surface;
@@ -34,14 +36,26 @@ impl Sheet {
         Self { opened, geometry }
     }
 
+    /// A surface after some steps of the cut flow, its patches cut to disks.
+    pub fn of_flow(surface: Surface, initial: &Initial, steps: usize) -> Self {
+        let Surface { mesh, geometry, .. } = surface;
+        let weights = Weights { dirichlet: 1.0, hencky: 500.0, length: 2.0, ..Weights::default() };
+        let params = CutFlowParams { weights, ..CutFlowParams::default() };
+        let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), initial, params).unwrap();
+        for _ in 0..steps {
+            flow.step().unwrap();
+        }
+        let mut cut = flow.cut_mesh();
+        let points: Vec<_> = cut.points.iter().map(|&p| geometry.locate(&mesh, p)).collect();
+        cut_to_disks(&mut cut, &points).unwrap();
+        Self::open(&cut, &points)
+    }
+
     /// A closed or open surface, cut until its patches are disks.
     pub fn disks(surface: &Surface) -> Self {
         let mut cut = CutMesh::uncut(&surface.mesh);
-        let opened = cut_to_disks(&mut cut, &surface.geometry.positions).unwrap().opened;
-        let places =
-            opened.vertex_points.iter().map(|&p| surface.geometry.positions[p as usize]).collect();
-        let geometry = Geometry::measure(&opened.mesh, places);
-        Self { opened, geometry }
+        cut_to_disks(&mut cut, &surface.geometry.positions).unwrap();
+        Self::open(&cut, &surface.geometry.positions)
     }
 
     /// A grid of `n` × `m` squares, each divided; columns close if asked to, and are slit then.

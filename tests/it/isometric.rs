@@ -10,6 +10,7 @@ use nalgebra::{Point2, Vector2};
 
 use crate::baselines::{Sheet, strain};
 use crate::surfaces::Surface;
+use cutflow::methods::cutflow::Initial;
 
 fn charts(sheet: &Sheet) -> Flattening {
     bff(&sheet.opened, &sheet.geometry).unwrap()
@@ -19,16 +20,16 @@ fn flow(sheet: &Sheet, start: &Flattening, params: IsometricParams) -> Isometric
     IsometricFlow::new(&sheet.opened, &sheet.geometry, start, params).unwrap()
 }
 
-/// A hemisphere and more of a sphere, cut into two lunes that share seams.
+/// A hemisphere and more of a sphere, cut into two unequal lunes that share seams.
 fn lunes() -> Sheet {
     let mut sheet = Sheet::cap(10, 1.9);
-    // Along the first spoke, through the pole, along the fourth.
+    // Along the first spoke to the pole and back along the second: a sixth, and the rest.
     let points = sheet.geometry.positions.clone();
     let triangles: Vec<_> = sheet.opened.mesh.triangles().iter().map(|t| t.map(|v| v.0)).collect();
     let first = |j: u32| if j == 0 { 0 } else { 1 + 3 * j * (j - 1) };
     let mut cuts = Vec::new();
     for j in 0..10 {
-        for side in [0, 3] {
+        for side in [0, 1] {
             let at = |j: u32| if j == 0 { 0 } else { first(j) + side * j };
             cuts.push([at(j), at(j + 1)]);
         }
@@ -113,6 +114,12 @@ fn a_cap_gets_less_distorted_than_its_conformal_map() {
         eprintln!("{distortion:?}: {before:.5} to {after:.5} in {} steps", flow.steps());
         assert_eq!(flow.status(), Status::Converged);
         assert!(flow.steps() < 20 && after < 0.7 * before, "{before} {after} {}", flow.steps());
+        // It was the minimum: a much smaller tolerance finds hardly more.
+        let mut longer =
+            self::flow(&sheet, &start, IsometricParams { tolerance: 1e-12, ..params });
+        run_checked(&sheet, &mut longer, 60);
+        let best = longer.state().energy().distortion;
+        assert!(best <= after && after < best * (1.0 + 1e-4), "{after} {best}");
         // A disk again: all rim vertices of the corners of rings equally far from the pole.
         let uv = flow.flattening().uv;
         let first = 1 + 3 * 12 * 11;
@@ -375,5 +382,40 @@ fn real_models_are_refined_without_flips() {
         );
         assert!(flow.state().energy().distortion < 0.5 * before);
         assert!(measures.totals.flipped == 0 && measures.totals.overlaps <= overlaps);
+    }
+}
+
+/// Cuts that cross triangles anywhere leave slivers along seams.
+#[test]
+fn ad_hoc() {
+    for name in ["sphere", "spot.obj", "face.obj", "bunny-closed.obj", "fandisk.obj"] {
+        let sheet = if name == "face.obj" || name == "bunny-closed.obj" || name == "fandisk.obj" {
+            Sheet::disks(&Surface::shared(name).unwrap())
+        } else {
+            let (surface, initial) = if name == "sphere" {
+                let normal = nalgebra::Vector3::z();
+                (Surface::sphere(16), Initial::Plane { point: nalgebra::Point3::new(0.0, 0.0, 0.0123), normal })
+            } else {
+                (Surface::shared(name).unwrap(), Initial::NormalClusters { angle: 60f64.to_radians(), regions: 10 })
+            };
+            Sheet::of_flow(surface, &initial, 5)
+        };
+        for (which, start) in [("bff", charts(&sheet)), ("lscm", lscm(&sheet.opened, &sheet.geometry).unwrap())] {
+            let clock = std::time::Instant::now();
+            let mut flow = flow(&sheet, &start, IsometricParams::default());
+            let before = flow.state().energy();
+            let b = measure(&sheet.opened, &sheet.geometry, &start).totals;
+            let mut calls = 0;
+            let mut lens = vec![];
+            while flow.status() == Status::Running && calls < 200 {
+                flow.step().unwrap();
+                calls += 1;
+                lens.push((100.0*flow.state().step_length()).round() as i32);
+            }
+            let t = clock.elapsed().as_secs_f64();
+            let m = measure(&sheet.opened, &sheet.geometry, &flow.flattening()).totals;
+            let bad: Vec<_> = flow.starts().iter().filter(|s| **s != Start::Given).collect();
+            eprintln!("{name} {which} V={} start flips {} over {}: {:.3e} -> {:.5} seam {:.1e}, {:?} {} steps {} calls {:.2}s, flips {} over {} starts {:?} {:?}", sheet.opened.mesh.vertex_count(), b.flipped, b.overlaps, before.distortion, flow.state().energy().distortion, flow.state().seam_difference(), flow.status(), flow.steps(), calls, t, m.flipped, m.overlaps, bad, lens);
+        }
     }
 }

@@ -9,14 +9,15 @@
 //!
 //! **Step**: Newton with each element's Hessian made positive semi-definite (closed forms, see the sources of `face` and `seam`), one factorisation of
 //! 2 V rows; a line search (Armijo) that begins at most at nine tenths of the way to where the first triangle would lose its area. If
-//! asked to, it refuses places in which the rim of a chart crosses itself more often than before.
+//! asked to, it refuses places in which the rim of a chart crosses itself more often than before; vertices of sides that would cross are then held where they are,
+//! close together, and let go when all else is done.
 //!
 //! **Ends** when the decrease that Newton's model promises, or that of five steps together, is a small fraction of the distortion, and seams are equal to their
 //! tolerance. Where they are not yet, multipliers are updated first; the seams' energy is then counted on from where it was, so that E never rises.
 //!
 //! Guaranteed: no triangle ever turns over (exact predicates); E never rises; rims cross themselves no more often than at the start (with
-//! [`IsometricParams::guard_rims`]). Not guaranteed: the global minimum; that rims which come to touch find a way around each other: the flow
-//! stalls there.
+//! [`IsometricParams::guard_rims`]). Not guaranteed: the global minimum; that rims which have come to touch slide along each other: they stay where
+//! they met.
 //!
 //! **From** Smith, Schaefer: *Bijective Parameterization with Free Boundaries*, 2015 (steps without flips); Smith, de Goes, Kim 2019 (eigenvalues); Rabinovich et al.:
 //! *Scalable Locally Injective Mappings*, 2017 (the energies compared).
@@ -31,7 +32,7 @@ use std::sync::Arc;
 use nalgebra::{Complex, Point2};
 
 use super::disks::log_scales;
-use super::overlap::crossings;
+use super::overlap::{Side, crossings};
 use super::{Flattening, NoChart};
 use crate::geometry::Geometry;
 use crate::linalg::{Analysis, Factor};
@@ -137,7 +138,7 @@ impl IsometricState {
         self.pin_distance
     }
 
-    /// Length of the last step; 1 is Newton's.
+    /// Length of the last accepted step; 1 is Newton's.
     pub fn step_length(&self) -> f64 {
         self.step_length
     }
@@ -160,6 +161,12 @@ const WINDOW: usize = 5;
 
 /// Updates of multipliers; each leaves a tenth or less of the difference.
 const UPDATES: usize = 12;
+
+/// Halvings of a step that would make rims cross before the vertices there are held instead: so near rims come to each other.
+const CLOSER: usize = 2;
+
+/// How often held vertices are let go again when nothing else is left to gain: contacts of a passing shape.
+const RELEASES: usize = 2;
 
 /// Pins nearer to their places than this fraction of √A are there.
 const THERE: f64 = 1e-10;
@@ -186,6 +193,7 @@ struct Progress {
     step: usize,
     residual: f64,
     updates: usize,
+    releases: usize,
     /// Difference of seams at the last update.
     difference: f64,
     /// E after each of the last steps.
@@ -206,7 +214,9 @@ enum Search {
     Moved,
     /// Nothing lower: rounding hides what is left.
     Nothing,
-    /// Lower, but only with rims that cross.
+    /// Lower, but only with rims that cross: their vertices are held from now on.
+    Touched,
+    /// Lower, but only with rims that cross, and holding their vertices did not help.
     Blocked,
 }
 
@@ -381,6 +391,8 @@ impl IsometricFlow {
     fn begin(&mut self) {
         self.status = Status::Running;
         self.progress.updates = 0;
+        self.progress.releases = 0;
+        self.forces.touching.clear();
         self.progress.difference = f64::INFINITY;
         self.measure();
         self.progress.history = vec![self.state.energy.total];
@@ -405,8 +417,8 @@ impl IsometricFlow {
         self.params.seam_weight <= 0.0 || self.state.seam_difference <= self.params.seam_tolerance
     }
 
-    /// Crossings of each chart's outline with itself.
-    fn rim_crossings(&self, x: &[Complex<f64>]) -> Vec<usize> {
+    /// Crossings of each chart's outline with itself: pairs of sides.
+    fn rim_crossings(&self, x: &[Complex<f64>]) -> Vec<Vec<[Side; 2]>> {
         let place = |h: &HalfedgeId| {
             let z = x[self.opened.mesh.tail(*h).index()];
             Point2::new(z.re, z.im)
@@ -417,11 +429,29 @@ impl IsometricFlow {
             .map(|(rim, start)| match rim {
                 Ok(rim) if start.is_refined() => {
                     let outline: Vec<_> = rim.iter().map(place).collect();
-                    crossings(&[&outline]).len()
+                    crossings(&[&outline])
                 }
-                _ => 0,
+                _ => Vec::new(),
             })
             .collect()
+    }
+
+    /// Rim vertices that have to be held lest charts cross themselves more often: the ends of sides that cross anew there.
+    fn new_contacts(&self, before: &[Vec<[Side; 2]>], now: &[Vec<[Side; 2]>]) -> Vec<u32> {
+        let mut contacts = Vec::new();
+        for (patch, rim) in self.charts.iter().enumerate() {
+            let Ok(rim) = rim else { continue };
+            if now[patch].len() <= before[patch].len() {
+                continue;
+            }
+            for pair in now[patch].iter().filter(|p| before[patch].binary_search(p).is_err()) {
+                for side in pair {
+                    let h = rim[side.side as usize];
+                    contacts.extend([self.opened.mesh.tail(h).0, self.opened.mesh.tip(h).0]);
+                }
+            }
+        }
+        contacts
     }
 
     /// Newton's direction and the slope along it.
@@ -460,33 +490,53 @@ impl IsometricFlow {
         }
         let before = self.state.energy.total;
         let mut length = (CAP * self.model.largest_step(&self.state.places, d)).min(1.0);
-        let mut crossed = None;
-        let mut blocked = false;
+        let mut known = None;
+        let mut blocked = 0;
         for _ in 0..TRIALS {
             let x = along(&self.state.places, d, length);
             let energy = self.model.energy(&x, &self.forces);
             let is_lower = energy.total < before && energy.total <= before + ARMIJO * length * slope;
             if is_lower && self.model.is_upright(&x) {
-                let crosses = self.params.guard_rims && {
-                    let now = self.rim_crossings(&x);
-                    let known = crossed.get_or_insert_with(|| self.rim_crossings(&self.state.places));
-                    now.iter().zip(known.iter()).any(|(now, before)| now > before)
+                let contacts = if self.params.guard_rims {
+                    let known = known.get_or_insert_with(|| self.rim_crossings(&self.state.places));
+                    self.new_contacts(known, &self.rim_crossings(&x))
+                } else {
+                    Vec::new()
                 };
-                if !crosses {
+                if contacts.is_empty() {
                     self.state.places = x;
                     self.state.step_length = length;
                     self.measure();
                     return Search::Moved;
                 }
-                blocked = true;
+                blocked += 1;
+                if blocked > CLOSER && self.touch(contacts) {
+                    return Search::Touched;
+                }
             }
             length *= 0.5;
         }
-        if blocked { Search::Blocked } else { Search::Nothing }
+        if blocked > 0 { Search::Blocked } else { Search::Nothing }
     }
 
-    /// The run is at the minimum for its multipliers: updates them, or ends.
+    /// Holds more vertices. **Gives** whether there were any that were not held yet.
+    fn touch(&mut self, contacts: Vec<u32>) -> bool {
+        let touching = &mut self.forces.touching;
+        let known = touching.len();
+        touching.extend(contacts);
+        touching.sort_unstable();
+        touching.dedup();
+        touching.len() > known
+    }
+
+    /// The run is at the minimum for its multipliers and contacts: updates them, or ends.
     fn settle(&mut self) {
+        if !self.forces.touching.is_empty() && self.progress.releases < RELEASES {
+            self.forces.touching.clear();
+            self.progress.releases += 1;
+            self.progress.history = vec![self.state.energy.total];
+            return;
+        }
         if self.seams_are_equal() {
             self.status = Status::Converged;
             return;
@@ -535,7 +585,7 @@ impl Flow for IsometricFlow {
         &self.state
     }
 
-    /// One Newton step, or an update of multipliers where there is nothing to gain without.
+    /// One Newton step, or a change of what is held or of multipliers where there is nothing to gain without.
     fn step(&mut self) -> Result<StepReport, SolveError> {
         if self.status != Status::Running {
             return Ok(self.report());
@@ -559,6 +609,7 @@ impl Flow for IsometricFlow {
                 }
             }
             Search::Nothing => self.settle(),
+            Search::Touched => {}
             Search::Blocked => self.status = Status::Stalled,
         }
         Ok(self.report())

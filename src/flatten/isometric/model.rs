@@ -36,6 +36,8 @@ pub(super) struct Forces {
     /// Taken from the seams' energy, so that it does not jump where multipliers change.
     pub offset: f64,
     pub pins: Vec<Pin>,
+    /// Rim vertices that are held because they would come to lie across a rim.
+    pub touching: Vec<u32>,
 }
 
 /// Triangles, seams and the pattern of their Hessian.
@@ -216,6 +218,9 @@ impl Model {
         let mut moves = self.is_free.clone();
         for pin in forces.pins.iter().filter(|p| p.is_held) {
             moves[pin.vertex as usize] = false;
+        }
+        for &v in &forces.touching {
+            moves[v as usize] = false;
         }
         moves
     }
