@@ -20,9 +20,9 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use super::Flattening;
 use super::disks::Disks;
 use super::lscm::least_squares;
+use super::{Flattening, small};
 use crate::geometry::Geometry;
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
 use crate::mesh::{FaceId, Mesh, OpenedMesh, VertexId};
@@ -223,7 +223,7 @@ impl<'a> Wheels<'a> {
             for i in 0..6 {
                 for j in 0..i {
                     if let (Some(a), Some(b)) = (rows[i], rows[j]) {
-                        pairs.push([a, b].map(|r| r as u32));
+                        pairs.push([a, b].map(small));
                     }
                 }
             }

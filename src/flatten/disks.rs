@@ -5,7 +5,7 @@
 
 use nalgebra::Point2;
 
-use super::{Flattening, NoChart, rims};
+use super::{Flattening, NoChart, rims, small};
 use crate::geometry::Geometry;
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh, VertexId};
@@ -85,7 +85,7 @@ impl<'a> Disks<'a> {
         for patch in 0..self.charts.len() {
             let ratio: f64 = curved[patch] / flat[patch];
             if self.charts[patch].is_ok() && !(ratio > 0.0 && ratio.is_finite()) {
-                self.give_up(patch as u32);
+                self.give_up(small(patch));
             }
         }
         for v in mesh.vertices() {
@@ -120,11 +120,7 @@ fn refuse_degenerate(
 }
 
 /// Log of the length ratio chart : surface at each vertex, from the areas of the faces around it, turned over or not; NaN without place.
-pub(super) fn log_scales(
-    opened: &OpenedMesh,
-    geometry: &Geometry,
-    uv: &[Point2<f64>],
-) -> Vec<f64> {
+pub(super) fn log_scales(opened: &OpenedMesh, geometry: &Geometry, uv: &[Point2<f64>]) -> Vec<f64> {
     let mut sums = vec![[0.0; 2]; uv.len()];
     for f in opened.mesh.faces() {
         let corners = opened.mesh.face_vertices(f);

@@ -19,7 +19,7 @@ use nalgebra::{Complex, Point2};
 
 use super::disks::{Disks, log_scales};
 use super::overlap::orientation;
-use super::{Flattening, rims};
+use super::{Flattening, rims, small};
 use crate::geometry::Geometry;
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh, VertexId};
@@ -111,7 +111,7 @@ impl FixedMap {
         let mut disks = Disks::new(opened, geometry);
         for patch in 0..opened.patch_count {
             if self.interiors[patch].is_none() && disks.charts[patch].is_ok() {
-                disks.give_up(patch as u32);
+                disks.give_up(small(patch));
             }
         }
         let place = |v: VertexId| {
@@ -126,9 +126,8 @@ impl FixedMap {
 
 /// Largest |a − b| / ½(a + b) over seam partners of lengths a, b in charts; 0 without seams.
 pub fn seam_difference(opened: &OpenedMesh, uv: &[Point2<f64>]) -> f64 {
-    let length = |h: HalfedgeId| {
-        (uv[opened.mesh.tip(h).index()] - uv[opened.mesh.tail(h).index()]).norm()
-    };
+    let length =
+        |h: HalfedgeId| (uv[opened.mesh.tip(h).index()] - uv[opened.mesh.tail(h).index()]).norm();
     let mut worst = 0.0f64;
     for h in rims(opened).into_iter().flatten().flatten() {
         if let Some(partner) = opened.partner(h) {
@@ -180,15 +179,15 @@ impl<'a> Problem<'a> {
     /// Halfedges of faces in patches with a map, with the cotangent opposite.
     fn sides(&self) -> impl Iterator<Item = (FaceId, usize, [VertexId; 2], f64)> + '_ {
         let mesh = &self.opened.mesh;
-        mesh.faces()
-            .filter(|f| self.usable[self.opened.face_patches[f.index()] as usize])
-            .flat_map(move |f| {
+        mesh.faces().filter(|f| self.usable[self.opened.face_patches[f.index()] as usize]).flat_map(
+            move |f| {
                 let corners = mesh.face_vertices(f);
                 let cotangents = self.geometry.corner_cotangents[f.index()];
                 (0..3).map(move |i| {
                     (f, i, [corners[i], corners[(i + 1) % 3]], cotangents[(i + 2) % 3])
                 })
-            })
+            },
+        )
     }
 
     /// The harmonic map and the factor that made it. Patches whose system cannot be factored are out of use from then on.
@@ -287,9 +286,8 @@ impl<'a> Problem<'a> {
 
     /// Side `i` of a face in the plane, its first side along the x axis.
     fn rest_side(&self, f: FaceId, i: usize) -> Complex<f64> {
-        let side = |k: usize| {
-            self.geometry.edge_length(self.opened.mesh.face_halfedges(f)[k].edge())
-        };
+        let side =
+            |k: usize| self.geometry.edge_length(self.opened.mesh.face_halfedges(f)[k].edge());
         let angle = self.geometry.corner_angles[f.index()][0];
         let (first, third) = (Complex::new(side(0), 0.0), -Complex::from_polar(side(2), angle));
         [first, -third - first, third][i]
@@ -304,7 +302,9 @@ impl<'a> Problem<'a> {
                 let half = |f: Option<FaceId>| {
                     let Some(f) = f else { return 0.0 };
                     let corner = mesh.face_vertices(f).iter().position(|&w| w == v).unwrap_or(0);
-                    (0.5 * self.geometry.corner_angles[f.index()][corner]).tan().clamp(0.0, STEEPEST)
+                    (0.5 * self.geometry.corner_angles[f.index()][corner])
+                        .tan()
+                        .clamp(0.0, STEEPEST)
                 };
                 let weight = half(mesh.face(h)) + half(mesh.face(h.twin()));
                 let weight = weight / self.geometry.edge_length(h.edge());
@@ -331,8 +331,7 @@ impl<'a> Problem<'a> {
             }
         };
         let mut x = self.places.clone();
-        let unknown: Vec<usize> =
-            (0..n).filter(|&v| self.is_unknown(VertexId::from(v))).collect();
+        let unknown: Vec<usize> = (0..n).filter(|&v| self.is_unknown(VertexId::from(v))).collect();
         unknown.iter().for_each(|&v| x[v] = Complex::default());
         for _ in 0..=CORRECTIONS {
             let mut rhs = vec![0.0; 2 * n];
@@ -376,7 +375,7 @@ impl<'a> Problem<'a> {
             for (i, &(a, x)) in entries.iter().enumerate() {
                 diagonal[a] += x * x;
                 for &(b, y) in &entries[..i] {
-                    pairs.push([a as u32, b as u32]);
+                    pairs.push([a, b].map(small));
                     products.push(x * y);
                 }
             }

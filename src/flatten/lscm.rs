@@ -15,8 +15,8 @@
 
 use nalgebra::{Complex, Point2};
 
-use super::Flattening;
 use super::disks::Disks;
+use super::{Flattening, small};
 use crate::geometry::Geometry;
 use crate::linalg::{LinalgError, Pattern};
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh, VertexId};
@@ -233,8 +233,7 @@ struct ConformalEnergy {
 impl ConformalEnergy {
     fn new(disks: &Disks, cotangents: &[[f64; 3]], shares: &[f64]) -> Self {
         let mesh = &disks.opened.mesh;
-        let (mut weights, mut turns) =
-            (vec![0.0; mesh.edge_count()], vec![0.0; mesh.edge_count()]);
+        let (mut weights, mut turns) = (vec![0.0; mesh.edge_count()], vec![0.0; mesh.edge_count()]);
         for f in mesh.faces().filter(|&f| disks.has_face(f)) {
             let share = shares[f.index()];
             for (i, h) in mesh.face_halfedges(f).into_iter().enumerate() {
@@ -250,8 +249,7 @@ impl ConformalEnergy {
                 let turn = turns[e.index()];
                 // What rounding leaves of 1 − 1.
                 let turn = if turn.abs() < 1e-12 { 0.0 } else { turn };
-                let edge =
-                    Edge { ends: [a.index(), b.index()], weight: weights[e.index()], turn };
+                let edge = Edge { ends: [a.index(), b.index()], weight: weights[e.index()], turn };
                 (disks.vertex_patches[a.index()], edge)
             })
             .collect();
@@ -268,7 +266,6 @@ impl ConformalEnergy {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         let mut entries = Vec::new();
         let mut diagonal = vec![0.0; n];
-        let index = |i: usize| i as u32;
         for edge in self.edges_of(disks) {
             let [a, b] = edge.ends;
             diagonal[a] += edge.weight;
@@ -276,10 +273,10 @@ impl ConformalEnergy {
             if is_held(a) || is_held(b) {
                 continue;
             }
-            pairs.extend([[a, b], [n + a, n + b]].map(|p| p.map(index)));
+            pairs.extend([[a, b], [n + a, n + b]].map(|p| p.map(small)));
             entries.extend([-edge.weight; 2]);
             if edge.turn != 0.0 {
-                pairs.extend([[a, n + b], [b, n + a]].map(|p| p.map(index)));
+                pairs.extend([[a, n + b], [b, n + a]].map(|p| p.map(small)));
                 entries.extend([-0.5 * edge.turn, 0.5 * edge.turn]);
             }
         }

@@ -3,6 +3,7 @@
 //! A patch is a surface with boundary in space, a *chart* its image in the plane. [`bff`] flattens every patch of an opened
 //! mesh at once with as little stretching of the rims as conformality allows, [`bff_scaled`] with given scale factors there, so that
 //! cones on seams get exact angles; [`measures`] says what the result is worth;
+//! [`lscm`] and [`abf`] are the baselines of the papers, [`fixed`] fills given rims in, [`isometric`] refines charts towards true lengths;
 //! [`overlap`] finds where outlines cross; [`pack`] lays the charts side by side; [`fold`] sews them together again in space.
 //!
 //! Guaranteed: seam partners are equally long in both charts ([`Flattening::seams_equal`]); charts are counter-clockwise.
@@ -12,12 +13,12 @@
 
 pub mod abf;
 pub mod bff;
-mod disks;
-pub mod isometric;
-pub mod lscm;
 mod closing;
+mod disks;
 pub mod fixed;
 pub mod fold;
+pub mod isometric;
+pub mod lscm;
 pub mod measures;
 pub mod overlap;
 pub mod pack;
@@ -26,8 +27,12 @@ use nalgebra::{Point2, Vector2};
 
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
 
+pub use abf::abf;
 pub use bff::{bff, bff_scaled, bff_with};
+pub use fixed::{Interior, fixed_rim};
 pub use fold::{FoldFlow, FoldParams};
+pub use isometric::{IsometricFlow, IsometricParams};
+pub use lscm::{dcp, lscm};
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
 

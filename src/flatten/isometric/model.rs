@@ -6,6 +6,7 @@ use super::face::{Distortion, Face, largest_step};
 use super::seam::Seam;
 use super::start::Start;
 use super::{IsometricEnergy, IsometricParams};
+use crate::flatten::small;
 use crate::geometry::Geometry;
 use crate::linalg::Pattern;
 use crate::mesh::{OpenedMesh, VertexId};
@@ -84,13 +85,10 @@ impl Model {
         let area = geometry.total_area();
         let is_free: Vec<bool> = mesh
             .vertices()
-            .map(|v| {
-                mesh.halfedge(v).is_some() && starts[patches[v.index()] as usize].is_refined()
-            })
+            .map(|v| mesh.halfedge(v).is_some() && starts[patches[v.index()] as usize].is_refined())
             .collect();
-        let refined = |f: &crate::mesh::FaceId| {
-            starts[opened.face_patches[f.index()] as usize].is_refined()
-        };
+        let refined =
+            |f: &crate::mesh::FaceId| starts[opened.face_patches[f.index()] as usize].is_refined();
         let numbers: Vec<_> = mesh.faces().filter(refined).collect();
         let faces: Vec<Face> =
             numbers.iter().map(|f| rest_face(opened, geometry, f.index(), area)).collect();
@@ -118,7 +116,7 @@ impl Model {
         let (pattern, slots) = Pattern::new(2 * is_free.len(), &different);
         let mut slots = slots.into_iter();
         let mut next = |[a, b]: [u32; 2]| {
-            if a == b { pattern.diagonal(a as usize) as u32 } else { slots.next().unwrap_or(0) }
+            if a == b { small(pattern.diagonal(a as usize)) } else { slots.next().unwrap_or(0) }
         };
         let mut pairs = pairs.into_iter();
         let mut take = || pairs.next().map_or(0, &mut next);
@@ -187,7 +185,8 @@ impl Model {
             let h = face.derivatives(self.distortion, x, true, &mut gradient);
             self.scatter(&mut values, &face.corners, slots, &h);
         }
-        for ((seam, slots), mu) in self.seams.iter().zip(&self.seam_slots).zip(&forces.multipliers) {
+        for ((seam, slots), mu) in self.seams.iter().zip(&self.seam_slots).zip(&forces.multipliers)
+        {
             let parts = [forces.stiffness * seam.weight, *mu];
             let h = seam.derivatives(x, parts, true, &mut gradient);
             self.scatter(&mut values, &seam.ends, slots, &h);
@@ -291,7 +290,7 @@ impl Model {
 
 /// Calls with the rows of every off-diagonal entry of an element below its diagonal, and the entry's number.
 fn for_pairs<const ROWS: usize>(corners: &[u32], mut call: impl FnMut(u32, u32, usize)) {
-    let row = |r: usize| 2 * corners[r / 2] + (r % 2) as u32;
+    let row = |r: usize| 2 * corners[r / 2] + small(r % 2);
     let mut number = 0;
     for r in 1..ROWS {
         for c in 0..r {
