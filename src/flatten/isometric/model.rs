@@ -226,18 +226,17 @@ impl Model {
 
     /// Makes rows of vertices that do not move those of the identity.
     fn isolate(&self, moves: &[bool], values: &mut [f64]) {
-        let mut cut = |corners: &[u32], a: u32, b: u32, slot: u32| {
+        let mut cut = |a: u32, b: u32, slot: u32| {
             let still = |row: u32| !moves[row as usize / 2];
-            debug_assert!(!corners.is_empty());
             if a != b && (still(a) || still(b)) {
                 values[slot as usize] = 0.0;
             }
         };
         for (face, slots) in self.faces.iter().zip(&self.face_slots) {
-            for_pairs::<6>(&face.corners, |a, b, i| cut(&face.corners, a, b, slots[i]));
+            for_pairs::<6>(&face.corners, |a, b, i| cut(a, b, slots[i]));
         }
         for (seam, slots) in self.seams.iter().zip(&self.seam_slots) {
-            for_pairs::<8>(&seam.ends, |a, b, i| cut(&seam.ends, a, b, slots[i]));
+            for_pairs::<8>(&seam.ends, |a, b, i| cut(a, b, slots[i]));
         }
         for v in (0..moves.len()).filter(|&v| !moves[v]) {
             values[self.pattern.diagonal(2 * v)] = 1.0;
