@@ -5,7 +5,7 @@
 
 use nalgebra::Point2;
 
-use super::{Flattening, NoChart, rims};
+use super::{Flattening, NoChart, rims, small};
 use crate::geometry::Geometry;
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh, VertexId};
@@ -85,7 +85,7 @@ impl<'a> Disks<'a> {
         for patch in 0..self.charts.len() {
             let ratio: f64 = curved[patch] / flat[patch];
             if self.charts[patch].is_ok() && !(ratio > 0.0 && ratio.is_finite()) {
-                self.give_up(patch as u32);
+                self.give_up(small(patch));
             }
         }
         for v in mesh.vertices() {

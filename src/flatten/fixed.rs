@@ -19,7 +19,7 @@ use nalgebra::{Complex, Point2};
 
 use super::disks::{Disks, log_scales};
 use super::overlap::orientation;
-use super::{Flattening, rims};
+use super::{Flattening, rims, small};
 use crate::geometry::Geometry;
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh, VertexId};
@@ -111,7 +111,7 @@ impl FixedMap {
         let mut disks = Disks::new(opened, geometry);
         for patch in 0..opened.patch_count {
             if self.interiors[patch].is_none() && disks.charts[patch].is_ok() {
-                disks.give_up(patch as u32);
+                disks.give_up(small(patch));
             }
         }
         let place = |v: VertexId| {
@@ -375,7 +375,7 @@ impl<'a> Problem<'a> {
             for (i, &(a, x)) in entries.iter().enumerate() {
                 diagonal[a] += x * x;
                 for &(b, y) in &entries[..i] {
-                    pairs.push([a as u32, b as u32]);
+                    pairs.push([a, b].map(small));
                     products.push(x * y);
                 }
             }

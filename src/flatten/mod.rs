@@ -3,9 +3,10 @@
 //! A patch is a surface with boundary in space, a *chart* its image in the plane. [`bff`] flattens every patch of an opened
 //! mesh at once with as little stretching of the rims as conformality allows, [`bff_scaled`] with given scale factors there, so that
 //! cones on seams get exact angles; [`measures`] says what the result is worth;
-//! [`targets`] makes rims what they are told to be, and closed surfaces spheres;
-//! [`overlap`] finds where outlines cross and triangles overlap, [`validity`] what is wrong with charts, and [`split`] cuts those that overlap
-//! themselves; [`pack`] lays the charts side by side; [`fold`] sews them together again in space.
+//! [`conformal`] takes exact angles for granted and never turns a face over; [`targets`] makes rims what they are told to be, and closed
+//! surfaces spheres; [`lscm`] and [`abf`] are the baselines of the papers, [`fixed`] fills given rims in, [`isometric`] refines charts
+//! towards true lengths; [`overlap`] finds where outlines cross and triangles overlap, [`validity`] what is wrong with charts, and
+//! [`split`] cuts those that overlap themselves; [`pack`] lays the charts side by side; [`fold`] sews them together again in space.
 //!
 //! Guaranteed: seam partners are equally long in both charts ([`Flattening::seams_equal`]); charts are counter-clockwise.
 //! Not guaranteed by flattening: freedom from flips and overlaps, which are counted exactly and never hidden.
@@ -33,9 +34,16 @@ use nalgebra::{Point2, Vector2};
 
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
 
+pub use abf::abf;
 pub use bff::{bff, bff_scaled, bff_with};
+pub use fixed::{Interior, fixed_rim};
 pub use fold::{FoldFlow, FoldParams};
+<<<<<<< HEAD
 pub use histogram::Histogram;
+=======
+pub use isometric::{IsometricFlow, IsometricParams};
+pub use lscm::{dcp, lscm};
+>>>>>>> base
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
 pub use split::{Flip, Flips, Split, SplitParams, split_overlaps};

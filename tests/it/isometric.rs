@@ -5,8 +5,9 @@ use cutflow::flatten::isometric::{Distortion, IsometricFlow, IsometricParams, St
 use cutflow::flatten::lscm::lscm;
 use cutflow::flatten::{Flattening, bff, measure};
 use cutflow::mesh::VertexId;
+use cutflow::methods::cutflow::Initial;
 use cutflow::methods::flow::{Flow, SolveError, Status};
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 use crate::baselines::{Sheet, strain};
 use crate::surfaces::Surface;
@@ -19,16 +20,16 @@ fn flow(sheet: &Sheet, start: &Flattening, params: IsometricParams) -> Isometric
     IsometricFlow::new(&sheet.opened, &sheet.geometry, start, params).unwrap()
 }
 
-/// A hemisphere and more of a sphere, cut into two lunes that share seams.
+/// A hemisphere and more of a sphere, cut into two unequal lunes that share seams.
 fn lunes() -> Sheet {
     let mut sheet = Sheet::cap(10, 1.9);
-    // Along the first spoke, through the pole, along the fourth.
+    // Along the first spoke to the pole and back along the second: a sixth, and the rest.
     let points = sheet.geometry.positions.clone();
     let triangles: Vec<_> = sheet.opened.mesh.triangles().iter().map(|t| t.map(|v| v.0)).collect();
     let first = |j: u32| if j == 0 { 0 } else { 1 + 3 * j * (j - 1) };
     let mut cuts = Vec::new();
     for j in 0..10 {
-        for side in [0, 3] {
+        for side in [0, 1] {
             let at = |j: u32| if j == 0 { 0 } else { first(j) + side * j };
             cuts.push([at(j), at(j + 1)]);
         }
@@ -114,6 +115,11 @@ fn a_cap_gets_less_distorted_than_its_conformal_map() {
         eprintln!("{distortion:?}: {before:.5} to {after:.5} in {} steps", flow.steps());
         assert_eq!(flow.status(), Status::Converged);
         assert!(flow.steps() < 20 && after < 0.7 * before, "{before} {after} {}", flow.steps());
+        // It was the minimum: a much smaller tolerance finds hardly more.
+        let mut longer = self::flow(&sheet, &start, IsometricParams { tolerance: 1e-12, ..params });
+        run_checked(&sheet, &mut longer, 60);
+        let best = longer.state().energy().distortion;
+        assert!(best <= after && after < best * (1.0 + 1e-4), "{after} {best}");
         // A disk again: all rim vertices of the corners of rings equally far from the pole.
         let uv = flow.flattening().uv;
         let first = 1 + 3 * 12 * 11;
@@ -255,27 +261,24 @@ fn a_start_with_flips_begins_as_a_disk_instead() {
 
 #[test]
 fn rims_do_not_come_to_cross_themselves() {
-    // More than half of a sphere, cut to one chart by a slit: its halves want to overlap beside the tip.
     let sheet = Sheet::grid([40, 12], true, |s, t| {
         // A saddle-like skirt: rings get longer than flat ones.
         let (r, a) = (0.2 + t, std::f64::consts::TAU * s);
         [r * a.cos(), r * a.sin(), 0.35 * t * (4.0 * a).cos()]
     });
     let start = charts(&sheet);
-    let overlaps = |flattening: &Flattening| {
-        measure(&sheet.opened, &sheet.geometry, flattening).totals.overlaps
-    };
     let run = |guard_rims| {
         let params = IsometricParams { guard_rims, ..IsometricParams::default() };
         let mut flow = flow(&sheet, &start, params);
         run_checked(&sheet, &mut flow, 100);
         eprintln!("{guard_rims}: {:?} after {} steps", flow.status(), flow.steps());
-        overlaps(&flow.flattening())
+        flips_and_crossings(&sheet, &flow.flattening())[1]
     };
-    let before = overlaps(&start);
+    let [_, before] = flips_and_crossings(&sheet, &start);
     let (free, guarded) = (run(false), run(true));
     eprintln!("{before} crossings, free {free}, guarded {guarded}");
-    assert!(guarded <= before);
+    // Ruffled, it has more rim than room: left alone its ends slide over each other.
+    assert!(guarded <= before && free > before);
 }
 
 #[test]
@@ -354,27 +357,55 @@ fn nonsense_is_refused_with_its_reason() {
 }
 
 #[test]
-fn real_models_are_refined_without_flips() {
-    for name in ["spot.obj"] {
-        let Some(surface) = Surface::shared(name) else { continue };
-        let sheet = Sheet::disks(&surface);
+fn a_real_model_in_one_chart_is_refined_without_flips() {
+    let Some(surface) = Surface::shared("spot.obj") else { return };
+    let sheet = Sheet::disks(&surface);
+    let start = charts(&sheet);
+    let mut flow = flow(&sheet, &start, IsometricParams::default());
+    let before = flow.state().energy().distortion;
+    let [_, crossings] = flips_and_crossings(&sheet, &start);
+    run_checked(&sheet, &mut flow, 100);
+    eprintln!("{before:.3} to {:?} in {} steps", flow.state().energy(), flow.steps());
+    assert_eq!(flow.status(), Status::Converged);
+    // One chart of a closed animal: legs and head are squeezed into it conformally by a factor of ten.
+    assert!(flow.state().energy().distortion < 0.1 * before);
+    assert!(flow.state().seam_difference() <= 1e-4);
+    let end = flips_and_crossings(&sheet, &flow.flattening());
+    assert!(end[0] == 0 && end[1] <= crossings);
+}
+
+/// Cuts of the flow cross triangles anywhere and leave slivers along seams; ten charts, some of whose rims come to touch.
+#[test]
+fn cuts_of_the_flow_are_refined_to_the_end() {
+    let plane = Initial::Plane { point: Point3::new(0.0, 0.0, 0.0123), normal: Vector3::z() };
+    let clusters = Initial::NormalClusters { angle: 60f64.to_radians(), regions: 10 };
+    let mut sheets = vec![Sheet::of_flow(Surface::sphere(12), &plane, 5)];
+    let spot = Surface::shared("spot.obj");
+    sheets.extend(spot.map(|surface| Sheet::of_flow(surface, &clusters, 3)));
+    for sheet in sheets {
         let start = charts(&sheet);
         let mut flow = flow(&sheet, &start, IsometricParams::default());
-        let before = flow.state().energy().distortion;
-        let difference = flow.state().seam_difference();
-        let overlaps = measure(&sheet.opened, &sheet.geometry, &start).totals.overlaps;
-        run_checked(&sheet, &mut flow, 100);
-        let measures = measure(&sheet.opened, &sheet.geometry, &flow.flattening());
+        let (before, given) =
+            (flow.state().energy().distortion, flips_and_crossings(&sheet, &start));
+        while flow.status() == Status::Running && flow.steps() < 80 {
+            flow.step().unwrap();
+        }
+        let (state, end) = (flow.state(), flips_and_crossings(&sheet, &flow.flattening()));
         eprintln!(
-            "{name}: {before:.3} to {:?}, {:?} in {} steps, seams {difference:.1e} to {:.1e}, {:?}, {:?}",
-            flow.state().energy(),
+            "{before:.3} to {:.5}, {:?} in {} steps, seams {:.1e}, {} contacts, {given:?} to {end:?}",
+            state.energy().distortion,
             flow.status(),
             flow.steps(),
-            flow.state().seam_difference(),
-            flow.starts(),
-            measures.totals
+            state.seam_difference(),
+            state.contacts(),
         );
-        assert!(flow.state().energy().distortion < 0.5 * before);
-        assert!(measures.totals.flipped == 0 && measures.totals.overlaps <= overlaps);
+        assert_eq!(flow.status(), Status::Converged);
+        assert!(state.energy().distortion < 0.5 * before && state.seam_difference() <= 1e-4);
+        assert!(end[0] == 0 && end[1] <= given[1]);
     }
+}
+
+fn flips_and_crossings(sheet: &Sheet, charts: &Flattening) -> [usize; 2] {
+    let totals = measure(&sheet.opened, &sheet.geometry, charts).totals;
+    [totals.flipped, totals.overlaps]
 }

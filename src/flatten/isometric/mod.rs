@@ -9,29 +9,32 @@
 //!
 //! **Step**: Newton with each element's Hessian made positive semi-definite (closed forms, see the sources of `face` and `seam`), one factorisation of
 //! 2 V rows; a line search (Armijo) that begins at most at nine tenths of the way to where the first triangle would lose its area. If
-//! asked to, it refuses places in which the rim of a chart crosses itself more often than before.
+//! asked to, it refuses places in which the rim of a chart crosses itself more often than before; vertices of sides that would cross are then held where they are,
+//! close together, and let go when all else is done.
 //!
 //! **Ends** when the decrease that Newton's model promises, or that of five steps together, is a small fraction of the distortion, and seams are equal to their
 //! tolerance. Where they are not yet, multipliers are updated first; the seams' energy is then counted on from where it was, so that E never rises.
 //!
 //! Guaranteed: no triangle ever turns over (exact predicates); E never rises; rims cross themselves no more often than at the start (with
-//! [`IsometricParams::guard_rims`]). Not guaranteed: the global minimum; that rims which come to touch find a way around each other: the flow
-//! stalls there.
+//! [`IsometricParams::guard_rims`]). Not guaranteed: the global minimum; that rims which have come to touch slide along each other: they stay where
+//! they met.
 //!
 //! **From** Smith, Schaefer: *Bijective Parameterization with Free Boundaries*, 2015 (steps without flips); Smith, de Goes, Kim 2019 (eigenvalues); Rabinovich et al.:
 //! *Scalable Locally Injective Mappings*, 2017 (the energies compared).
 
 mod face;
 mod model;
+mod params;
 mod seam;
+mod search;
 mod start;
+mod state;
 
 use std::sync::Arc;
 
 use nalgebra::{Complex, Point2};
 
 use super::disks::log_scales;
-use super::overlap::crossings;
 use super::{Flattening, NoChart};
 use crate::geometry::Geometry;
 use crate::linalg::{Analysis, Factor};
@@ -39,127 +42,24 @@ use crate::mesh::{HalfedgeId, OpenedMesh, VertexId};
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 
 use model::{Forces, Model, Pin, rest_face};
+use search::Search;
 
 pub use face::Distortion;
+pub use params::IsometricParams;
 pub use start::Start;
-
-/// Options of an [`IsometricFlow`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IsometricParams {
-    /// What distortion costs.
-    pub distortion: Distortion,
-    /// γ: how stiff seams are to begin with. At 10 springs alone leave differences of some thousandths, and one or two updates of multipliers reach
-    /// a tolerance of 1e-4; much stiffer ones slow every step along the curved set of charts with equal seams, much
-    /// softer ones need more updates. 0 lets partners go their own ways.
-    pub seam_weight: f64,
-    /// Largest relative difference of seam partners at the end: a tenth of a millimetre in a metre.
-    pub seam_tolerance: f64,
-    /// κ: how strongly pins pull.
-    pub pin_weight: f64,
-    /// Whether rims may not come to cross themselves.
-    pub guard_rims: bool,
-    /// The run has converged when a step promises less than this fraction of the distortion, or five together gained less.
-    pub tolerance: f64,
-}
-
-impl Default for IsometricParams {
-    fn default() -> Self {
-        Self {
-            distortion: Distortion::SymmetricDirichlet,
-            seam_weight: 10.0,
-            seam_tolerance: 1e-4,
-            pin_weight: 1e4,
-            guard_rims: true,
-            tolerance: 1e-5,
-        }
-    }
-}
-
-impl IsometricParams {
-    /// Checks every option against its range.
-    pub fn validate(&self) -> Result<(), SolveError> {
-        let within = |name, value: f64, min: f64, max: f64| {
-            if value >= min && value <= max {
-                Ok(())
-            } else {
-                Err(SolveError::Parameter { name, value, min, max })
-            }
-        };
-        within("seam weight", self.seam_weight, 0.0, 1e6)?;
-        within("seam tolerance", self.seam_tolerance, 1e-9, 1.0)?;
-        within("pin weight", self.pin_weight, 0.0, 1e8)?;
-        within("tolerance", self.tolerance, 0.0, 1.0)
-    }
-}
-
-/// The energy of places and its terms, weights included, without unit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct IsometricEnergy {
-    /// Sum of the terms.
-    pub total: f64,
-    /// Mean of the distortion over the area: 0 for isometric charts.
-    pub distortion: f64,
-    /// Of seams: springs and multipliers, less what keeps it continuous where multipliers change. May be negative.
-    pub seam: f64,
-    /// Of pins that are not where they are pulled to.
-    pub pins: f64,
-}
-
-/// Refined charts.
-#[derive(Clone, Debug, PartialEq)]
-pub struct IsometricState {
-    places: Vec<Complex<f64>>,
-    energy: IsometricEnergy,
-    seam_difference: f64,
-    pin_distance: f64,
-    step_length: f64,
-}
-
-impl IsometricState {
-    /// Place of a vertex in its chart.
-    pub fn place(&self, v: VertexId) -> Point2<f64> {
-        let z = self.places[v.index()];
-        Point2::new(z.re, z.im)
-    }
-
-    /// The energy and its terms.
-    pub fn energy(&self) -> IsometricEnergy {
-        self.energy
-    }
-
-    /// Largest |a − b| / ½ (a + b) over seam partners of lengths a, b in the charts.
-    pub fn seam_difference(&self) -> f64 {
-        self.seam_difference
-    }
-
-    /// Largest distance of a pinned vertex from where it is pulled to, in units of the model.
-    pub fn pin_distance(&self) -> f64 {
-        self.pin_distance
-    }
-
-    /// Length of the last step; 1 is Newton's.
-    pub fn step_length(&self) -> f64 {
-        self.step_length
-    }
-}
+pub use state::{IsometricEnergy, IsometricState};
 
 /// Distortion below this is rounding of coordinates: strains of 1e-11.
 const NOTHING: f64 = 1e-21;
-
-/// How far a step may go on the way to the first triangle without area.
-const CAP: f64 = 0.9;
-
-/// Trials of one line search: a millionth of a step is none.
-const TRIALS: usize = 20;
-
-/// Decrease that a trial must reach, as a fraction of what the slope promises.
-const ARMIJO: f64 = 1e-4;
 
 /// The steps whose progress tells convergence.
 const WINDOW: usize = 5;
 
 /// Updates of multipliers; each leaves a tenth or less of the difference.
 const UPDATES: usize = 12;
+
+/// How often held vertices are let go again when nothing else is left to gain: contacts of a passing shape.
+const RELEASES: usize = 2;
 
 /// Pins nearer to their places than this fraction of √A are there.
 const THERE: f64 = 1e-10;
@@ -186,6 +86,7 @@ struct Progress {
     step: usize,
     residual: f64,
     updates: usize,
+    releases: usize,
     /// Difference of seams at the last update.
     difference: f64,
     /// E after each of the last steps.
@@ -199,15 +100,6 @@ pub struct IsometricCheckpoint {
     forces: Forces,
     progress: Progress,
     status: Status,
-}
-
-/// What a line search found.
-enum Search {
-    Moved,
-    /// Nothing lower: rounding hides what is left.
-    Nothing,
-    /// Lower, but only with rims that cross.
-    Blocked,
 }
 
 impl IsometricFlow {
@@ -243,6 +135,7 @@ impl IsometricFlow {
             seam_difference: 0.0,
             pin_distance: 0.0,
             step_length: 0.0,
+            contacts: 0,
         };
         let mut flow = Self {
             params,
@@ -381,6 +274,8 @@ impl IsometricFlow {
     fn begin(&mut self) {
         self.status = Status::Running;
         self.progress.updates = 0;
+        self.progress.releases = 0;
+        self.forces.touching.clear();
         self.progress.difference = f64::INFINITY;
         self.measure();
         self.progress.history = vec![self.state.energy.total];
@@ -397,31 +292,13 @@ impl IsometricFlow {
         let x = &self.state.places;
         self.state.energy = self.model.energy(x, &self.forces);
         self.state.seam_difference = self.model.seam_difference(x);
+        self.state.contacts = self.forces.touching.len();
         let distance = |p: &Pin| (x[p.vertex as usize] - p.place).norm();
         self.state.pin_distance = self.forces.pins.iter().map(distance).fold(0.0, f64::max);
     }
 
     fn seams_are_equal(&self) -> bool {
         self.params.seam_weight <= 0.0 || self.state.seam_difference <= self.params.seam_tolerance
-    }
-
-    /// Crossings of each chart's outline with itself.
-    fn rim_crossings(&self, x: &[Complex<f64>]) -> Vec<usize> {
-        let place = |h: &HalfedgeId| {
-            let z = x[self.opened.mesh.tail(*h).index()];
-            Point2::new(z.re, z.im)
-        };
-        self.charts
-            .iter()
-            .zip(&self.starts)
-            .map(|(rim, start)| match rim {
-                Ok(rim) if start.is_refined() => {
-                    let outline: Vec<_> = rim.iter().map(place).collect();
-                    crossings(&[&outline]).len()
-                }
-                _ => 0,
-            })
-            .collect()
     }
 
     /// Newton's direction and the slope along it.
@@ -452,43 +329,15 @@ impl IsometricFlow {
         Ok((d, slope))
     }
 
-    /// Looks for a place along a direction that is lower, upright and, if asked for, does not cross.
-    fn search(&mut self, d: &[Complex<f64>], slope: f64) -> Search {
-        // Not `>=`: a slope that is no number is none.
-        if !(slope < 0.0) {
-            return Search::Nothing;
-        }
-        let before = self.state.energy.total;
-        let mut length = (CAP * self.model.largest_step(&self.state.places, d)).min(1.0);
-        let mut crossed = None;
-        let mut blocked = false;
-        for _ in 0..TRIALS {
-            let x = along(&self.state.places, d, length);
-            let energy = self.model.energy(&x, &self.forces);
-            let is_lower =
-                energy.total < before && energy.total <= before + ARMIJO * length * slope;
-            if is_lower && self.model.is_upright(&x) {
-                let crosses = self.params.guard_rims && {
-                    let now = self.rim_crossings(&x);
-                    let known =
-                        crossed.get_or_insert_with(|| self.rim_crossings(&self.state.places));
-                    now.iter().zip(known.iter()).any(|(now, before)| now > before)
-                };
-                if !crosses {
-                    self.state.places = x;
-                    self.state.step_length = length;
-                    self.measure();
-                    return Search::Moved;
-                }
-                blocked = true;
-            }
-            length *= 0.5;
-        }
-        if blocked { Search::Blocked } else { Search::Nothing }
-    }
-
-    /// The run is at the minimum for its multipliers: updates them, or ends.
+    /// The run is at the minimum for its multipliers and contacts: updates them, or ends.
     fn settle(&mut self) {
+        if !self.forces.touching.is_empty() && self.progress.releases < RELEASES {
+            self.forces.touching.clear();
+            self.state.contacts = 0;
+            self.progress.releases += 1;
+            self.progress.history = vec![self.state.energy.total];
+            return;
+        }
         if self.seams_are_equal() {
             self.status = Status::Converged;
             return;
@@ -537,7 +386,7 @@ impl Flow for IsometricFlow {
         &self.state
     }
 
-    /// One Newton step, or an update of multipliers where there is nothing to gain without.
+    /// One Newton step, or a change of what is held or of multipliers where there is nothing to gain without.
     fn step(&mut self) -> Result<StepReport, SolveError> {
         if self.status != Status::Running {
             return Ok(self.report());
@@ -561,6 +410,7 @@ impl Flow for IsometricFlow {
                 }
             }
             Search::Nothing => self.settle(),
+            Search::Touched => {}
             Search::Blocked => self.status = Status::Stalled,
         }
         Ok(self.report())

@@ -6,6 +6,7 @@ use super::face::{Distortion, Face, largest_step};
 use super::seam::Seam;
 use super::start::Start;
 use super::{IsometricEnergy, IsometricParams};
+use crate::flatten::small;
 use crate::geometry::Geometry;
 use crate::linalg::Pattern;
 use crate::mesh::{OpenedMesh, VertexId};
@@ -36,6 +37,8 @@ pub(super) struct Forces {
     /// Taken from the seams' energy, so that it does not jump where multipliers change.
     pub offset: f64,
     pub pins: Vec<Pin>,
+    /// Rim vertices that are held because they would come to lie across a rim.
+    pub touching: Vec<u32>,
 }
 
 /// Triangles, seams and the pattern of their Hessian.
@@ -113,7 +116,7 @@ impl Model {
         let (pattern, slots) = Pattern::new(2 * is_free.len(), &different);
         let mut slots = slots.into_iter();
         let mut next = |[a, b]: [u32; 2]| {
-            if a == b { pattern.diagonal(a as usize) as u32 } else { slots.next().unwrap_or(0) }
+            if a == b { small(pattern.diagonal(a as usize)) } else { slots.next().unwrap_or(0) }
         };
         let mut pairs = pairs.into_iter();
         let mut take = || pairs.next().map_or(0, &mut next);
@@ -215,23 +218,25 @@ impl Model {
         for pin in forces.pins.iter().filter(|p| p.is_held) {
             moves[pin.vertex as usize] = false;
         }
+        for &v in &forces.touching {
+            moves[v as usize] = false;
+        }
         moves
     }
 
     /// Makes rows of vertices that do not move those of the identity.
     fn isolate(&self, moves: &[bool], values: &mut [f64]) {
-        let mut cut = |corners: &[u32], a: u32, b: u32, slot: u32| {
+        let mut cut = |a: u32, b: u32, slot: u32| {
             let still = |row: u32| !moves[row as usize / 2];
-            debug_assert!(!corners.is_empty());
             if a != b && (still(a) || still(b)) {
                 values[slot as usize] = 0.0;
             }
         };
         for (face, slots) in self.faces.iter().zip(&self.face_slots) {
-            for_pairs::<6>(&face.corners, |a, b, i| cut(&face.corners, a, b, slots[i]));
+            for_pairs::<6>(&face.corners, |a, b, i| cut(a, b, slots[i]));
         }
         for (seam, slots) in self.seams.iter().zip(&self.seam_slots) {
-            for_pairs::<8>(&seam.ends, |a, b, i| cut(&seam.ends, a, b, slots[i]));
+            for_pairs::<8>(&seam.ends, |a, b, i| cut(a, b, slots[i]));
         }
         for v in (0..moves.len()).filter(|&v| !moves[v]) {
             values[self.pattern.diagonal(2 * v)] = 1.0;
@@ -284,7 +289,7 @@ impl Model {
 
 /// Calls with the rows of every off-diagonal entry of an element below its diagonal, and the entry's number.
 fn for_pairs<const ROWS: usize>(corners: &[u32], mut call: impl FnMut(u32, u32, usize)) {
-    let row = |r: usize| 2 * corners[r / 2] + (r % 2) as u32;
+    let row = |r: usize| 2 * corners[r / 2] + small(r % 2);
     let mut number = 0;
     for r in 1..ROWS {
         for c in 0..r {
