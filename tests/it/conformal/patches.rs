@@ -198,7 +198,7 @@ fn slivers_of_a_tenth_of_a_degree_do_no_harm() {
 }
 
 /// A surface cut for ten steps from clusters of normals, to disks.
-fn cut_by_flow(surface: &Surface, regions: usize) -> (CutMesh, Vec<Point3<f64>>) {
+fn cut_by_flow(surface: &Surface, regions: u32) -> (CutMesh, Vec<Point3<f64>>) {
     let (mesh, geometry) = (&surface.mesh, &surface.geometry);
     let start = Initial::NormalClusters { angle: PI / 3.0, regions };
     let params = CutFlowParams::default();
