@@ -66,7 +66,7 @@ pub struct ConformalReport {
     pub degenerate: usize,
     /// By how much charts do not close, over their diameters.
     pub closure: f64,
-    /// Largest |ln| of the ratio of partners' lengths.
+    /// Largest relative difference of partners' lengths; sides shorter than the mean seam side count as that.
     pub partner_mismatch: f64,
     /// Faces on their backs after the first round, before any repair.
     pub flipped_before: usize,
@@ -74,6 +74,8 @@ pub struct ConformalReport {
     pub flipped_after: usize,
     /// Points that were put on edges.
     pub points_inserted: usize,
+    /// Vertices inside charts that were moved a little where no point would do.
+    pub vertices_moved: usize,
     /// Rounds after the first.
     pub rounds: usize,
     /// Least and largest log scale factor.
@@ -314,6 +316,7 @@ impl ConformalFlow {
         report.flipped_before = self.first_flipped.unwrap_or(layout.flipped_before);
         report.flipped_after = layout.flipped_after;
         report.scale_range = layout.scale_range;
+        report.vertices_moved = layout.moved;
         report.points_inserted = layout.surface.positions.len() - self.given_points;
         self.best = Some(layout);
     }

@@ -4,14 +4,15 @@
 //! scale factors v. Sought are those with the angle sums Θ* (2π − C at a cone, π − k on a boundary that turns by k): the minimum of a convex
 //! energy (`solver`). Where triangle inequalities would fail, edges flip by Ptolemy's theorem (`triangulation`); with that there is a
 //! solution for all Θ* > 0 that satisfy Gauss–Bonnet. Flips are then taken back one by one with straight chords for the edges that were
-//! there (`develop`), faces laid side by side (`place`), and the few that lie on their backs divided by points on edges (`repair`).
+//! there (`develop`), faces laid side by side (`place`), and the few that lie on their backs divided by points on edges (`repair`), or, where that will not do,
+//! a corner of theirs moved by their width (`settle`).
 //!
 //! Two uses: cones on the surface before it is cut, any genus ([`conformal_with_cones`]), and patches by themselves, with rims that keep
 //! their lengths or turn as they are told ([`conformal`]).
 //!
 //! Guaranteed: angles to the tolerance, charts that close, partners of equal length (with cones, and with isometric rims unless the report
-//! counts doubled parts), faces on their backs found exactly and counted. Not guaranteed: that the repair finds a point for each of them
-//! (it does where cones leave angles of half a radian); that charts do not overlap themselves.
+//! counts doubled parts), faces on their backs found exactly and counted. Not guaranteed: that the repair helps each of them
+//! (it did wherever cones leave angles of half a radian); that charts do not overlap themselves.
 //!
 //! **From** Springborn, Schröder, Pinkall: *Conformal Equivalence of Triangle Meshes*, 2008; Gillespie, Springborn, Crane: *Discrete Conformal
 //! Equivalence of Polyhedral Surfaces*, 2021. **Differs**: the line search looks at slopes, so that angles and not the energy decide when it
@@ -25,6 +26,7 @@ mod part;
 mod place;
 mod repair;
 mod round;
+mod settle;
 mod solver;
 mod split;
 mod targets;

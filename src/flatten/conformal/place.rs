@@ -136,19 +136,18 @@ pub(super) fn flipped_faces(
     opened.mesh.faces().filter(is_placed).filter(is_flipped).collect()
 }
 
-/// Largest |ln| of the ratio of the lengths of partners in their charts.
+/// Largest difference of the lengths of partners in their charts, over their length; sides shorter than the mean of all seams count as
+/// that, since places have an absolute accuracy.
 pub(super) fn partner_mismatch(opened: &OpenedMesh, uv: &[Point2<f64>]) -> f64 {
     let mesh = &opened.mesh;
     let length = |h: HalfedgeId| (uv[mesh.tip(h).index()] - uv[mesh.tail(h).index()]).norm();
-    let mut worst: f64 = 0.0;
-    for h in mesh.faces().flat_map(|f| mesh.face_halfedges(f)) {
-        if let Some(partner) = opened.partner(h) {
-            let ratio = (length(h) / length(partner)).ln().abs();
-            // Without a chart there is no length.
-            if ratio > worst {
-                worst = ratio;
-            }
-        }
-    }
-    worst
+    // Without a chart there is no length.
+    let pairs: Vec<[f64; 2]> = mesh
+        .faces()
+        .flat_map(|f| mesh.face_halfedges(f))
+        .filter_map(|h| Some([length(h), length(opened.partner(h)?)]))
+        .filter(|[a, b]| (a + b).is_finite())
+        .collect();
+    let mean = pairs.iter().map(|p| p[0]).sum::<f64>() / pairs.len().max(1) as f64;
+    pairs.iter().fold(0.0, |worst: f64, [a, b]| worst.max((a - b).abs() / a.max(*b).max(mean)))
 }

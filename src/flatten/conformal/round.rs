@@ -6,6 +6,7 @@ use super::error::ConformalError;
 use super::part::{Limits, Part, components, shape_of};
 use super::place::{flipped_faces, partner_mismatch, place, side_of_halfedges};
 use super::repair::{Insertion, plan};
+use super::settle::settle;
 use super::split::{Origin, Refined, split};
 use super::targets::{Condition, balance};
 use crate::flatten::{Flattening, NoChart};
@@ -49,7 +50,8 @@ pub(super) struct Layout {
     pub partner_mismatch: f64,
     pub flipped_before: usize,
     pub flipped_after: usize,
-    pub inserted: usize,
+    /// Vertices that were moved.
+    pub moved: usize,
     /// Faces of the round's surface that no point would turn over.
     pub left: Vec<FaceId>,
     pub scale_range: [f64; 2],
@@ -201,7 +203,7 @@ impl Round {
             partner_mismatch: partner_mismatch(opened, &placed.uv),
             flipped_before: flipped.len(),
             flipped_after: flipped.len(),
-            inserted: 0,
+            moved: 0,
             left: flipped.clone(),
             flattening: Flattening {
                 charts: placed.charts,
@@ -298,9 +300,12 @@ impl Round {
                 *chart = Err(*reason);
             }
         }
+        let still = flipped_faces(&opened, &charts, &uv);
+        if !still.is_empty() {
+            layout.moved = settle(&opened, &mut uv, &still);
+        }
         layout.flipped_after = flipped_faces(&opened, &charts, &uv).len();
         layout.partner_mismatch = partner_mismatch(&opened, &uv);
-        layout.inserted = refined.points_added;
         layout.flattening = Flattening { charts, uv, u, ..old.clone() };
         layout.surface = CutSurface { cut: refined.cut, positions: refined.positions, opened };
         Ok(())

@@ -299,11 +299,16 @@ impl Solver {
                     || (evaluation.error < 0.5 * start && evaluation.error < 1e-6)
                     || (after <= -0.9 * before && energy <= self.energy + 1e-4 * length * before));
             if accepted {
+                // So near the end a step gains digits by the dozen; one that gains none meets rounding.
+                let is_rounding = start < ACCEPTABLE && evaluation.error > 0.5 * start;
                 self.v = trial;
                 self.evaluation = evaluation;
                 self.energy = energy;
                 self.steps += 1;
                 self.judge();
+                if is_rounding {
+                    self.give_up();
+                }
                 if self.progress == Progress::Done {
                     self.polish();
                 }

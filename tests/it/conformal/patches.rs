@@ -197,33 +197,34 @@ fn slivers_of_a_tenth_of_a_degree_do_no_harm() {
     check_charts(&found, 0);
 }
 
-#[test]
-fn patches_of_a_flow_keep_the_lengths_of_their_rims() {
-    let Some(surface) = Surface::shared("spot.obj") else { return };
+/// A surface cut for ten steps from clusters of normals, to disks.
+fn cut_by_flow(surface: &Surface, regions: u32) -> (CutMesh, Vec<Point3<f64>>) {
     let (mesh, geometry) = (&surface.mesh, &surface.geometry);
-    let start = Initial::NormalClusters { angle: PI / 3.0, regions: 8 };
-    let mut flow =
-        CutFlow::new(mesh.clone(), geometry.clone(), &start, CutFlowParams::default()).unwrap();
-    for _ in 0..5 {
+    let start = Initial::NormalClusters { angle: PI / 3.0, regions };
+    let params = CutFlowParams::default();
+    let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &start, params).unwrap();
+    for _ in 0..10 {
         flow.step().unwrap();
     }
     let mut cut = flow.cut_mesh();
-    let places = |cut: &CutMesh| -> Vec<Point3<f64>> {
-        cut.points.iter().map(|&p| geometry.locate(mesh, p)).collect()
-    };
-    let positions = places(&cut);
-    let disks = cut_to_disks(&mut cut, &positions).unwrap();
-    assert!(disks.opened.patch_count >= 4);
+    let positions: Vec<_> = cut.points.iter().map(|&p| geometry.locate(mesh, p)).collect();
+    cut_to_disks(&mut cut, &positions).unwrap();
+    (cut, positions)
+}
+
+#[test]
+fn patches_of_a_flow_keep_the_lengths_of_their_rims() {
+    let Some(surface) = Surface::shared("spot.obj") else { return };
+    let (cut, positions) = cut_by_flow(&surface, 8);
     let params = ConformalParams::default();
-    let found = conformal(mesh, &cut, &positions, &RimCondition::Isometric, &params).unwrap();
+    let found =
+        conformal(&surface.mesh, &cut, &positions, &RimCondition::Isometric, &params).unwrap();
     let report = &found.report;
+    assert!(found.flattening.charts.len() >= 4);
     assert!(report.angle_error < 1e-10 && report.closure < 1e-10, "{report:?}");
-    assert!(report.newton_steps <= 8 + 3 * report.rounds, "{report:?}");
+    assert!(report.newton_steps <= 8, "{report:?}");
     assert!(found.flattening.seams_equal && report.doubled == 0, "{report:?}");
     check_charts(&found, 0);
-    for (point, place) in places(&found.cut).iter().zip(&found.positions) {
-        assert!((point - place).norm() < 1e-12);
-    }
     // Rims as long as on the surface, but for points of repairs on seams.
     let rim_stretch = |found: &Conformal| {
         let mesh = &found.opened.mesh;
@@ -241,6 +242,30 @@ fn patches_of_a_flow_keep_the_lengths_of_their_rims() {
         all[all.len() * 9 / 10]
     };
     assert!(rim_stretch(&found) < 1e-6, "{}", rim_stretch(&found));
+}
+
+#[test]
+fn needles_at_rims_that_no_point_helps_are_turned_over_by_their_width() {
+    let Some(surface) = Surface::shared("face.obj") else { return };
+    let (cut, positions) = cut_by_flow(&surface, 12);
+    let params = ConformalParams::default();
+    let rim = RimCondition::Isometric;
+    let plain = ConformalParams { repair: false, ..params };
+    let before = conformal(&surface.mesh, &cut, &positions, &rim, &plain).unwrap();
+    check_charts(&before, before.report.flipped_before);
+    let found = conformal(&surface.mesh, &cut, &positions, &rim, &params).unwrap();
+    let report = &found.report;
+    assert_eq!((report.rounds, report.flipped_before), (0, before.report.flipped_before));
+    assert!(report.vertices_moved > 0 && report.newton_steps <= 8, "{report:?}");
+    check_charts(&found, 0);
+    // Points keep their numbers; what moved did so by widths of needles.
+    let [mut moved, mut farthest] = [0.0f64; 2];
+    for (v, place) in before.flattening.uv.iter().enumerate().take(surface.mesh.vertex_count()) {
+        let way = (found.flattening.uv[v] - place).norm();
+        moved += f64::from(u8::from(way > 0.0));
+        farthest = farthest.max(way);
+    }
+    assert!(moved <= report.vertices_moved as f64 && farthest < 1e-5, "{moved} {farthest}");
 }
 
 #[test]
@@ -342,16 +367,7 @@ fn patches_of_many_surfaces() {
         let (mesh, geometry) = (&surface.mesh, &surface.geometry);
         let mut cases = Vec::new();
         for regions in [4, 12] {
-            let start = Initial::NormalClusters { angle: PI / 3.0, regions };
-            let Ok(mut flow) =
-                CutFlow::new(mesh.clone(), geometry.clone(), &start, CutFlowParams::default())
-            else {
-                continue;
-            };
-            for _ in 0..10 {
-                flow.step().unwrap();
-            }
-            cases.push(flow.cut_mesh());
+            cases.push(cut_by_flow(&surface, regions).0);
         }
         let cones = cones_of(&surface, 0.003, true);
         let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
