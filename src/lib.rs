@@ -11,7 +11,7 @@
 //! | 0 | [`mesh`] | connectivity, refinement along cuts, opening, reading mesh bytes ([`mesh::read`]), what is wrong with a mesh ([`mesh::doctor`]). Knows no metric |
 //! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance, nearest points, visibility, symmetries, intrinsic flips, [`geometry::doctor`] |
 //! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cones`] \[MAD\], [`methods::cutgraph`] (disks, seams through cones), [`methods::straighten`] (outlines without zigzag, cuts along mesh edges), [`methods::prepare`] (finer, more even, lighter meshes) |
-//! | 3 | [`flatten`] | patch → chart: BFF, with isometric or scaled rims, LSCM, DCP, ABF++, fixed rims, isometric refinement, measures, overlaps, packing; charts → the surface that they make ([`flatten::fold`]) |
+//! | 3 | [`flatten`] | patch → chart: BFF with isometric, scaled or chosen rims, conformal equivalence, LSCM, DCP, ABF++, fixed rims, isometric refinement; measures, overlaps, splitting, packing; charts → the surface that they make ([`flatten::fold`]) |
 //! | 4 | [`pattern`] | chart → piece in millimetres: seams, sheet, bytes of SVG, OBJ, JSON |
 //! | 5 | [`session`] | commands in, events out: documents, parameters, undo, scenes, reports. The only serde |
 //! | 6 | `viewer` | wgpu pictures of [`session::scene`]. Knows no geometry processing |

@@ -38,12 +38,9 @@ pub use abf::abf;
 pub use bff::{bff, bff_scaled, bff_with};
 pub use fixed::{Interior, fixed_rim};
 pub use fold::{FoldFlow, FoldParams};
-<<<<<<< HEAD
 pub use histogram::Histogram;
-=======
 pub use isometric::{IsometricFlow, IsometricParams};
 pub use lscm::{dcp, lscm};
->>>>>>> base
 pub use measures::{ChartMeasures, Measures, measure};
 pub use pack::{Packing, Pose, Shape, pack};
 pub use split::{Flip, Flips, Split, SplitParams, split_overlaps};

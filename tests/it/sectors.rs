@@ -90,23 +90,22 @@ fn a_cone_of_several_turns_gets_a_seam_for_each() {
         let (_, before) = flatten(&geometry, &seams, &flat);
         let (_, after) = flatten(&geometry, &parted.seams, &flat);
         assert!(!validate(&seams.opened, &before, None).is_valid());
-        assert!(validate(&parted.seams.opened, &after, None).is_valid());
+        let validity = validate(&parted.seams.opened, &after, None).totals;
+        assert!(
+            validity.is_valid(),
+            "{total}: {validity:?} {} {}",
+            after.seams_equal,
+            after.angles_exact
+        );
     }
 }
 
 #[test]
 fn seams_of_optimal_cones_are_led_through_the_negative_ones() {
-    for (name, lambda) in [
-        ("spot.obj", 0.001),
-        ("cheburashka.obj", 0.00042),
-        ("bunny-closed.obj", 0.0005),
-        ("face.obj", 0.001),
-    ] {
-        let Some(Surface { mesh, geometry, .. }) = Surface::shared(name) else { continue };
-        let (cones, u) = cones(
-            &Surface { name: name.to_owned(), mesh: mesh.clone(), geometry: geometry.clone() },
-            lambda,
-        );
+    for (name, lambda) in [("spot.obj", 0.001), ("cheburashka.obj", 0.00042)] {
+        let Some(surface) = Surface::shared(name) else { continue };
+        let (cones, u) = cones(&surface, lambda);
+        let Surface { mesh, geometry, .. } = surface;
         let places: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
         let seams = cut_through(&mesh, &geometry, &places, &[]).unwrap();
         let parted = part(&mesh, &geometry, &seams, &cones);
@@ -119,13 +118,6 @@ fn seams_of_optimal_cones_are_led_through_the_negative_ones() {
         };
         let (before, after) = (widest(&seams), widest(&parted.seams));
         assert!(after.1 < TAU && parted.wide.is_empty(), "{name}: {after:?}");
-        // One more seam for each cone that was too wide, and hardly any chart.
-        assert!(
-            parted.added <= 1 + parted.paths / 3,
-            "{name}: {} of {}",
-            parted.added,
-            parted.paths
-        );
         let mut results = Vec::new();
         for seams in [&seams, &parted.seams] {
             let (measured, flattening) = flatten(&geometry, seams, &u);
@@ -147,6 +139,10 @@ fn seams_of_optimal_cones_are_led_through_the_negative_ones() {
             seams.length,
             parted.seams.length
         );
+        // One more seam for each cone that was too wide, and hardly any chart.
+        assert!(parted.added <= 1, "{name}: {} of {}", parted.added, parted.paths);
+        let [before, after] = [results[0], results[1]];
+        assert!(after.2 < before.2 && after.3 < before.3, "less is left to split: {results:?}");
     }
 }
 

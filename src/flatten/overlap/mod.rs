@@ -82,7 +82,7 @@ pub fn contacts(outlines: &[&[Point2<f64>]]) -> Contacts {
         if apart(others) {
             return;
         }
-        let is_zero = |x: &f64| !(*x > 0.0 || *x < 0.0);
+        let is_zero = |x: &f64| !(x.abs() > 0.0);
         let all = [ends, others].concat();
         if !all.iter().any(is_zero) {
             contacts.crossings.push([s, t]);
@@ -109,7 +109,7 @@ fn folds(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> bool {
     let (back, on) = (a - b, c - b);
     // The larger coordinate of a direction decides, and its sign is exact.
     let axis = usize::from(back.y.abs() > back.x.abs());
-    let is_on_line = !(turn(a, b, c) > 0.0 || turn(a, b, c) < 0.0);
+    let is_on_line = !(turn(a, b, c).abs() > 0.0);
     is_on_line && back[axis].signum() * on[axis] > 0.0
 }
 

@@ -50,7 +50,7 @@ pub(in super::super) fn for_overlapping(
     let mut turned = Vec::with_capacity(triangles.len());
     for (i, &[a, b, c]) in triangles.iter().enumerate() {
         let sign = orientation(a, b, c);
-        if sign > 0.0 || sign < 0.0 {
+        if sign.abs() > 0.0 {
             names.push(small(i));
             turned.push(if sign > 0.0 { [a, b, c] } else { [a, c, b] });
         }

@@ -163,7 +163,8 @@ pub fn split_overlaps(
     let before = cut.cut_edges.len();
     let edge_points = |e| mesh.edge_vertices(e).map(|v| opened.vertex_points[v.index()]);
     cut.cut_edges.extend(pieces.cuts().map(edge_points));
-    let mut length: f64 = pieces.cuts().map(|e| geometry.edge_length(e)).sum();
+    // The sum of nothing is −0.
+    let mut length = pieces.cuts().fold(0.0, |sum, e| sum + geometry.edge_length(e));
     let mut now = cut.open()?;
     if cut.cut_edges.len() > before {
         let disks = part_to_disks(&now, opened, geometry)?;

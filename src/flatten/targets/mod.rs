@@ -222,22 +222,22 @@ impl<'a> TargetSolver<'a> {
         let n = self.rim().len();
         let zeros = || vec![0.0; n];
         let mut shape = match target {
-            RimTarget::Isometric | RimTarget::Free => self.from_scales(&zeros(), None, false)?,
+            RimTarget::Isometric | RimTarget::Free => self.by_scales(&zeros(), None, false)?,
             RimTarget::Scales(u) => {
                 self.check_values(u, |x| x.is_finite())?;
-                self.from_scales(u, None, true)?
+                self.by_scales(u, None, true)?
             }
             RimTarget::Lengths(lengths) => {
                 self.check_values(lengths, |x| x > 0.0 && x.is_finite())?;
-                self.from_scales(&self.system.scales_of(lengths), Some(lengths), false)?
+                self.by_scales(&self.system.scales_of(lengths), Some(lengths), false)?
             }
             RimTarget::Angles(angles) => {
                 self.check_angles(angles)?;
-                self.from_angles(angles)?
+                self.by_angles(angles)?
             }
             RimTarget::Polygon(corners) => {
                 let angles = self.corners(corners)?;
-                self.from_angles(&angles)?
+                self.by_angles(&angles)?
             }
             RimTarget::Rectangle(corners) => {
                 if corners.len() != 4 {
@@ -245,7 +245,7 @@ impl<'a> TargetSolver<'a> {
                 }
                 let corners: Vec<_> = corners.iter().map(|&v| (v, FRAC_PI_2)).collect();
                 let angles = self.corners(&corners)?;
-                self.from_angles(&angles)?
+                self.by_angles(&angles)?
             }
             RimTarget::Disk => self.disk()?,
         };
@@ -306,7 +306,7 @@ impl<'a> TargetSolver<'a> {
         flattening.angles_exact &= matches!(target, RimTarget::Scales(_)) && chart.turned == 0.0;
     }
 
-    fn from_scales(
+    fn by_scales(
         &mut self,
         rim_u: &[f64],
         lengths: Option<&[f64]>,
@@ -321,7 +321,7 @@ impl<'a> TargetSolver<'a> {
         Ok(Shape { rim, u, angles, closing, turned, ..Shape::default() })
     }
 
-    fn from_angles(&mut self, angles: &[f64]) -> Result<Shape, TargetError> {
+    fn by_angles(&mut self, angles: &[f64]) -> Result<Shape, TargetError> {
         let mut u = self.system.scales_for(angles)?;
         self.system.centre(&mut u);
         let lengths = self.system.scaled_lengths(&u);

@@ -1,97 +1,22 @@
-//! Seams that leave no sector of a full turn about a cone.
-//!
-//! About a cone of angle Θ > 2π the plane is covered more than once, however the surface is laid out, unless seams divide Θ into
-//! sectors below 2π: ⌈Θ / 2π⌉ seams at least have to end there. Where there are too few, a sector is divided by a shortest path from the cone to
-//! other seams. That parts the surface's disk in two, which are joined again across a stretch of seam between them that nothing needs: the
-//! network of seams is led *through* the cone instead of past it.
+//! Seams with the sectors that they leave, and the ways to divide those.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 
-use super::Seams;
+use super::super::Seams;
+use super::WIDEST;
 use crate::geometry::Geometry;
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Mesh, VertexId};
-use crate::methods::flow::SolveError;
-
-/// What [`part_sectors`] gives.
-#[derive(Clone, Debug)]
-pub struct Parted {
-    /// The seams as they are now.
-    pub seams: Seams,
-    /// How many paths were added.
-    pub paths: usize,
-    /// For how many of them no stretch could be given up: so many more disks there are.
-    pub added: usize,
-    /// Cones that have a sector of 2π or more still, with its angle: there is no edge to divide it.
-    pub wide: Vec<(VertexId, f64)>,
-}
-
-/// Widest sector that is not divided, radians. A full turn overlaps for certain, and a little less than one soon does, where the sides of
-/// the sector come near each other.
-pub const WIDEST: f64 = 1.75 * PI;
 
 /// A sector is divided between these fractions of it, by the shortest path that there is; closer to the middle, and paths get longer.
 const MIDDLE: [f64; 2] = [0.3, 0.7];
 
-/// Divides the sectors about cones of negative curvature.
-///
-/// Angles of the flat metric are taken to be those of the surface times Θ over their sum, as conformal maps have it.
-///
-/// **Takes** seams along edges of the mesh that open it to disks; cones with their curvature μ, so that Θ = 2π − μ inside and π − μ
-/// on the boundary (others may be among them: they stay on seams); what a seam costs at each vertex beside its length, or nothing.
-/// **Gives** seams that divide every Θ > 2π into sectors below 2π, all components disks, as many as before where stretches could be
-/// given up. **Fails** if a vertex is not there. **Costs** O(F log F) for each path. **From** the notes on prevention of overlaps.
-pub fn part_sectors(
-    mesh: &Mesh,
-    geometry: &Geometry,
-    seams: &Seams,
-    cones: &[(VertexId, f64)],
-    cost: &[f64],
-) -> Result<Parted, SolveError> {
-    let vertices = mesh.vertex_count();
-    assert!(cost.is_empty() || cost.len() == vertices);
-    let is_there = |v: VertexId| v.index() < vertices && mesh.halfedge(v).is_some();
-    if let Some(&(vertex, _)) = cones.iter().find(|c| !is_there(c.0)) {
-        return Err(SolveError::NoSuchVertex { vertex, vertices });
-    }
-    let mut network = Network::new(mesh, geometry, seams, cones, cost);
-    let mut wanted: Vec<VertexId> = cones.iter().map(|c| c.0).collect();
-    wanted.sort_by(|a, b| network.total(*b).total_cmp(&network.total(*a)).then(a.cmp(b)));
-    wanted.dedup();
-    let (mut paths, mut added) = (0, 0);
-    for &v in &wanted {
-        'paths: while !network.is_parted(v) {
-            // A path to seams beyond the cone's own stretches closes a cycle that has another stretch to give up.
-            for ends in [Ends::Beyond, Ends::BeyondOrBoundary, Ends::Any] {
-                let Some(path) = network.dividing_path(v, ends) else { continue };
-                let has_joined = network.lead_through(v, &path);
-                if has_joined || ends == Ends::Any {
-                    paths += 1;
-                    added += usize::from(!has_joined);
-                    continue 'paths;
-                }
-                let edges: Vec<EdgeId> = path.iter().map(|h| h.edge()).collect();
-                network.mark(&edges, false);
-            }
-            break;
-        }
-    }
-    let mut wide: Vec<(VertexId, f64)> = Vec::new();
-    wanted.sort_unstable();
-    for v in wanted {
-        let widest = network.sectors(v).iter().map(Sector::angle).fold(0.0, f64::max);
-        if widest >= TAU {
-            wide.push((v, widest));
-        }
-    }
-    let edges = || mesh.edges().filter(|e| network.is_cut[e.index()]);
-    let mut cut = seams.cut.clone();
-    cut.cut_edges = edges().map(|e| mesh.edge_vertices(e).map(|v| v.0)).collect();
-    let length = edges().map(|e| geometry.edge_length(e)).sum();
-    let opened = cut.open()?;
-    Ok(Parted { seams: Seams { cut, opened, length }, paths, added, wide })
-}
+/// How many ends of a path are tried before a chart is parted for good.
+const TRIES: usize = 16;
+
+/// How much longer than the shortest path another one may be that saves a chart.
+const DETOUR: f64 = 5.0;
 
 /// Where a path may end.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -105,7 +30,7 @@ enum Ends {
 }
 
 /// The faces at a vertex between two seams.
-struct Sector {
+pub(super) struct Sector {
     /// The first is the seam at its beginning, if it has one.
     halfedges: Vec<HalfedgeId>,
     /// For each of them the angle, in the flat metric, of the face that follows.
@@ -113,16 +38,17 @@ struct Sector {
 }
 
 impl Sector {
-    fn angle(&self) -> f64 {
+    pub fn angle(&self) -> f64 {
         self.angles.iter().sum()
     }
 }
 
-struct Network<'a> {
+/// The seams of a mesh.
+pub(super) struct Network<'a> {
     mesh: &'a Mesh,
     geometry: &'a Geometry,
     prices: Vec<f64>,
-    is_cut: Vec<bool>,
+    pub is_cut: Vec<bool>,
     /// How many seams end at each vertex.
     degrees: Vec<u32>,
     /// For each vertex its angle in the flat metric if it is a cone.
@@ -130,7 +56,7 @@ struct Network<'a> {
 }
 
 impl<'a> Network<'a> {
-    fn new(
+    pub fn new(
         mesh: &'a Mesh,
         geometry: &'a Geometry,
         seams: &Seams,
@@ -180,12 +106,12 @@ impl<'a> Network<'a> {
     }
 
     /// Angle about a cone; 0 about other vertices.
-    fn total(&self, v: VertexId) -> f64 {
+    pub fn total(&self, v: VertexId) -> f64 {
         self.cone_angles[v.index()].unwrap_or(0.0)
     }
 
     /// The sectors about a cone.
-    fn sectors(&self, v: VertexId) -> Vec<Sector> {
+    pub fn sectors(&self, v: VertexId) -> Vec<Sector> {
         let mesh = self.mesh;
         let mut turn: Vec<(HalfedgeId, f64)> = Vec::new();
         for h in mesh.outgoing(v) {
@@ -212,17 +138,64 @@ impl<'a> Network<'a> {
     }
 
     /// Whether all sectors about a vertex are narrow enough, if it is a cone that can be too wide.
-    fn is_parted(&self, v: VertexId) -> bool {
+    pub fn is_parted(&self, v: VertexId) -> bool {
         self.total(v) <= TAU * (1.0 + 1e-9) || self.sectors(v).iter().all(|s| s.angle() <= WIDEST)
     }
 
+    /// Divides the widest sector about a cone. **Gives** whether the parts could be joined elsewhere; nothing where no path divides it.
+    ///
+    /// A path to seams beyond the cone's own stretches closes a cycle that may have another stretch to give up. If the nearest has none,
+    /// farther ones are tried, on other stretches each; at last two charts are made of one.
+    pub fn divide(&mut self, v: VertexId) -> Option<bool> {
+        let mut longest = f64::INFINITY;
+        for ends in [Ends::Beyond, Ends::BeyondOrBoundary] {
+            let mut is_end = self.ends(v, ends);
+            for _ in 0..TRIES {
+                let Some(path) = self.dividing_path(v, &is_end) else { break };
+                let price: f64 = path.iter().map(|h| self.prices[h.edge().index()]).sum();
+                longest = longest.min(DETOUR * price);
+                if price > longest {
+                    break;
+                }
+                if self.lead_through(v, &path) {
+                    return Some(true);
+                }
+                let edges: Vec<EdgeId> = path.iter().map(|h| h.edge()).collect();
+                self.mark(&edges, false);
+                let Some(last) = path.last() else { break };
+                self.exclude_stretch(self.mesh.tip(*last), &mut is_end);
+            }
+        }
+        // A path back to the cone's own stretch divides it in its neighbourhood only: what is around that winds about it still.
+        let mut paths = [Ends::BeyondOrBoundary, Ends::Any]
+            .into_iter()
+            .filter_map(|ends| self.dividing_path(v, &self.ends(v, ends)));
+        let path = paths.next()?;
+        drop(paths);
+        Some(self.lead_through(v, &path))
+    }
+
+    /// Lets no path end on the stretch that a vertex is on.
+    fn exclude_stretch(&self, w: VertexId, is_end: &mut [bool]) {
+        is_end[w.index()] = false;
+        let mut stack = vec![w];
+        while let Some(x) = stack.pop().filter(|&x| !self.is_stop(x)) {
+            for h in self.mesh.outgoing(x).filter(|h| self.is_cut[h.edge().index()]) {
+                let tip = self.mesh.tip(h);
+                if is_end[tip.index()] && !self.is_stop(tip) {
+                    is_end[tip.index()] = false;
+                    stack.push(tip);
+                }
+            }
+        }
+    }
+
     /// A shortest path that divides the widest sector about a cone; none where all are narrow enough, or no edge divides it.
-    fn dividing_path(&mut self, v: VertexId, ends: Ends) -> Option<Vec<HalfedgeId>> {
+    fn dividing_path(&self, v: VertexId, is_end: &[bool]) -> Option<Vec<HalfedgeId>> {
         // Without seams the one sector has no borders, and a path could end anywhere.
         if self.is_parted(v) || (self.degrees[v.index()] == 0 && !self.mesh.is_boundary_vertex(v)) {
             return None;
         }
-        let is_end = self.ends(v, ends);
         let sectors = self.sectors(v);
         let widest = sectors.iter().max_by(|a, b| a.angle().total_cmp(&b.angle()))?;
         let whole = widest.angle();
@@ -235,7 +208,7 @@ impl<'a> Network<'a> {
             }
             before += angle;
         }
-        let is_middle = |part: f64| part >= MIDDLE[0] && part <= MIDDLE[1];
+        let is_middle = |part: f64| (MIDDLE[0]..=MIDDLE[1]).contains(&part);
         // Between one and two full turns only the middle is narrow enough on both sides.
         let is_narrow = |part: f64| part.max(1.0 - part) * whole <= WIDEST;
         let rules: [&dyn Fn(f64) -> bool; 2] =
@@ -243,13 +216,13 @@ impl<'a> Network<'a> {
         for rule in rules {
             let starts: Vec<HalfedgeId> =
                 parts.iter().filter(|(_, part)| rule(*part)).map(|(h, _)| *h).collect();
-            if let Some(path) = self.shortest_path(&is_end, v, &starts) {
+            if let Some(path) = self.shortest_path(is_end, v, &starts) {
                 return Some(path);
             }
         }
         let off = |part: f64| (part - 0.5).abs();
         let (nearest, _) = parts.iter().min_by(|a, b| off(a.1).total_cmp(&off(b.1)))?;
-        self.shortest_path(&is_end, v, &[*nearest])
+        self.shortest_path(is_end, v, &[*nearest])
     }
 
     /// For each vertex whether a path from a cone may end there.
