@@ -36,7 +36,7 @@ use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
 
 pub use abf::abf;
 pub use bff::{bff, bff_scaled, bff_with};
-pub use fixed::{Interior, fixed_rim};
+pub use fixed::fixed_rim;
 pub use fold::{FoldFlow, FoldParams};
 pub use histogram::Histogram;
 pub use isometric::{IsometricFlow, IsometricParams};

@@ -14,7 +14,8 @@ use crate::flatten::{Flattening, Measures, Packing, bff_with, measure, measures}
 use crate::geometry::Geometry;
 use crate::linalg::Factor;
 use crate::mesh::{CutMesh, HalfedgeId, Mesh, OpenedMesh};
-use crate::methods::cutgraph::{cut_through, cut_to_disks};
+use crate::methods::cones::Cone;
+use crate::methods::cutgraph::{Seams, cut_through, cut_to_disks, part_sectors};
 use crate::methods::flow::SolveError;
 use crate::methods::straighten::{StraightenParams, Unchanged, finish_cut, snap_to_edges};
 use crate::pattern::CutSurface;
@@ -156,11 +157,24 @@ impl Layout {
         previous: Option<&Packing>,
     ) -> Result<Self, ChartError> {
         let (mesh, geometry) = (&surface.mesh, &surface.geometry);
+        let cones: Vec<Cone> = set.cones.iter().map(|used| used.cone).collect();
+        let metric = ConeMetric { cones, u: &set.u };
+        let chart = |seams: &Seams| {
+            let (cut, opened) = (seams.cut.clone(), seams.opened.clone());
+            let points = place(surface, &cut);
+            Patches { mesh, cut, points, opened, seam_cost }.chart(charting, Some(&metric))
+        };
         let seams = cut_through(mesh, geometry, &set.vertices(), seam_cost)?;
-        let points = place(surface, &seams.cut);
-        let patches = Patches { mesh, cut: seams.cut, points, opened: seams.opened, seam_cost };
-        let cones = set.cones.iter().map(|used| used.cone).collect();
-        let charted = patches.chart(charting, Some(&ConeMetric { cones, u: &set.u }))?;
+        let mut charted = chart(&seams)?;
+        if charted.made.charts_added > 0 {
+            // About a cone with more than a full turn, what seams leave together in one sector overlaps for certain.
+            let angles: Vec<_> = metric.cones.iter().map(|c| (c.vertex, c.angle)).collect();
+            let parted = part_sectors(mesh, geometry, &seams, &angles, seam_cost)?;
+            let other = chart(&parted.seams)?;
+            if other.opened.patch_count < charted.opened.patch_count {
+                charted = other;
+            }
+        }
         Ok(Self::new(surface, charted, 0.0, previous))
     }
 

@@ -7,9 +7,7 @@ use cutflow::flatten::{bff, validate};
 use cutflow::geometry::{Geometry, Laplacian};
 use cutflow::linalg::{Analysis, Factor};
 use cutflow::mesh::CutMesh;
-use cutflow::methods::cones::{
-    ConeFields, ConeFlow, ConeParams, RoundParams, round_clusters,
-};
+use cutflow::methods::cones::{ConeFields, ConeFlow, ConeParams, RoundParams, round_clusters};
 use cutflow::methods::cutflow::{Initial, initial_labels, labelled_cut};
 use cutflow::methods::cutgraph::{cut_through, cut_to_disks};
 use cutflow::methods::flow::{Flow, Status};
@@ -54,7 +52,10 @@ pub fn rows() -> Vec<Row> {
         bff(&opened, &geometry).expect("memory suffices");
     });
     rows.push(Row {
-        name: format!("BFF of {} vertices, over 2 factorisations + 8 solves", opened.mesh.vertex_count()),
+        name: format!(
+            "BFF of {} vertices, over 2 factorisations + 8 solves",
+            opened.mesh.vertex_count()
+        ),
         value: time / (2.0 * unit + 8.0 * solve),
         unit: "",
         limit: Some(1.0),
@@ -81,8 +82,8 @@ fn conformal() -> Vec<Row> {
     let surface = document.surface().expect("it can be cut");
     let (mesh, geometry) = (&surface.mesh, &surface.geometry);
     let params = ConeParams { lambda: 0.002, ..ConeParams::default() };
-    let mut flow = ConeFlow::new(mesh, geometry, &params, &ConeFields::default())
-        .expect("the bear has cones");
+    let mut flow =
+        ConeFlow::new(mesh, geometry, &params, &ConeFields::default()).expect("the bear has cones");
     while flow.step().expect("it converges").status == Status::Running {}
     let cones = round_clusters(mesh, geometry, &flow.state().cones, &RoundParams::default()).cones;
     let vertices: Vec<_> = cones.iter().map(|c| c.vertex).collect();
