@@ -185,6 +185,8 @@ pub struct Made {
     pub method: &'static str,
     /// What conformal equivalence has to say.
     pub conformal: Option<ConformalReport>,
+    /// Triangles that boundary first flattening turned over, where conformal equivalence took over for that.
+    pub bff_flipped: usize,
     /// Charts more than before, because charts overlapped themselves.
     pub charts_added: usize,
     /// Length of the cuts between them.
@@ -320,7 +322,10 @@ impl Patches<'_> {
                 if conformal.report.flipped_after < flipped
                     || (conformal.report.flipped_after == flipped && !is_exact) =>
             {
-                Ok(Charted::of_conformal(conformal))
+                let mut charted = Charted::of_conformal(conformal);
+                charted.made.bff_flipped = flipped;
+                charted.made.notice = notice_of(&charted.made);
+                Ok(charted)
             }
             // What conformal equivalence cannot do is no reason to have no charts at all.
             _ => Ok(self.charted(geometry, flattening, "bff")),
@@ -378,17 +383,26 @@ impl Charted {
     }
 }
 
-/// What a person should know of charts that were split.
+/// What a person should know of how charts came about.
 fn notice_of(made: &Made) -> Option<String> {
-    let added = plural(made.charts_added, "piece");
-    match (made.charts_added, made.cut_out) {
-        (0, _) => None,
-        (_, 0) => Some(format!(
-            "Pieces overlapped themselves in the plane: splitting them added {added}."
-        )),
-        (_, n) => Some(format!(
-            "Pieces overlapped themselves in the plane or had triangles that turn over: splitting them added {added}, and {} cut out.",
-            if n == 1 { "1 triangle is".to_owned() } else { format!("{n} triangles are") }
-        )),
+    let turned = (made.bff_flipped > 0).then(|| {
+        let triangles = plural(made.bff_flipped, "triangle");
+        format!(
+            "Conformal equivalence took over: boundary first flattening turned {triangles} over."
+        )
+    });
+    let split = (made.charts_added > 0).then(|| {
+        let added = plural(made.charts_added, "piece");
+        match made.cut_out {
+            0 => format!("Pieces overlapped themselves in the plane: splitting them added {added}."),
+            n => format!(
+                "Pieces overlapped themselves in the plane or had triangles that turn over: splitting them added {added}, and {} cut out.",
+                if n == 1 { "1 triangle is".to_owned() } else { format!("{n} triangles are") }
+            ),
+        }
+    });
+    match (turned, split) {
+        (Some(turned), Some(split)) => Some(format!("{turned} {split}")),
+        (turned, split) => turned.or(split),
     }
 }

@@ -38,6 +38,8 @@ pub fn fields(method: Method) -> Vec<Choice> {
             Choice::new("phi", "Potential φ (cones at ± λ)"),
             Choice::new("area", "Area distortion"),
             Choice::new("angle", "Angle distortion"),
+            Choice::new("stretch", "Stretch"),
+            Choice::new("isometry", "Symmetric Dirichlet"),
             Choice::new("importance", "Importance"),
             Choice::new("unimportant", "Unimportant places"),
             Choice::new("cone_cost", "Cost of cones"),
@@ -51,6 +53,8 @@ pub fn fields(method: Method) -> Vec<Choice> {
         Choice::new("curvature", "Curvature K"),
         Choice::new("area", "Area distortion"),
         Choice::new("angle", "Angle distortion"),
+        Choice::new("stretch", "Stretch"),
+        Choice::new("isometry", "Symmetric Dirichlet"),
         Choice::new("penalty", "Penalty η"),
         Choice::new("heat", "Heat"),
         Choice::new("pin", "Pinned places"),
@@ -389,6 +393,14 @@ fn field_values(
         "angle" => {
             let values = per_face(&layout.measures.face_angle_distortions);
             Some(("angle", "Angle distortion σ₁/σ₂", values, false))
+        }
+        "stretch" => {
+            let values = per_face(&layout.measures.face_stretches);
+            Some(("stretch", "L² stretch (1 is true length)", values, false))
+        }
+        "isometry" => {
+            let values = per_face(&layout.measures.face_symmetric_dirichlet);
+            Some(("isometry", "Symmetric Dirichlet energy (1 is isometric)", values, false))
         }
         _ => None,
     }
