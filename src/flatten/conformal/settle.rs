@@ -12,8 +12,11 @@ use crate::mesh::{FaceId, OpenedMesh, VertexId};
 /// Vertices with more faces stay: the search takes the fourth power of their number.
 const MOST_FACES: usize = 20;
 
-/// Share of the clearance at the best place that is enough: no further than that from where the metric wants the vertex.
+/// Share of the clearance at the best place that is enough in any case.
 const ENOUGH: f64 = 0.5;
+
+/// Least clearance that is asked for, over the size of the star: what orientation and rounding can tell apart with ease.
+const LEAST: f64 = 1e-9;
 
 /// Moves vertices inside charts until no face given lies on its back, as far as one vertex for each will do. **Gives** how many moved.
 pub(super) fn settle(opened: &OpenedMesh, uv: &mut [Point2<f64>], flipped: &[FaceId]) -> usize {
@@ -41,7 +44,7 @@ pub(super) fn settle(opened: &OpenedMesh, uv: &mut [Point2<f64>], flipped: &[Fac
     moved
 }
 
-/// A place where every face about a vertex inside lies right, near to where it is.
+/// A place where every face about a vertex inside lies right, near to where it is: as far on the right side as it was on the wrong one.
 fn better_place(opened: &OpenedMesh, uv: &[Point2<f64>], v: VertexId) -> Option<Point2<f64>> {
     let mesh = &opened.mesh;
     let here = uv[v.index()];
@@ -63,10 +66,13 @@ fn better_place(opened: &OpenedMesh, uv: &[Point2<f64>], v: VertexId) -> Option<
         walls.iter().map(|(n, offset)| n.dot(d) - offset).fold(f64::INFINITY, f64::min)
     };
     let (best, centre) = centre_of(&walls, clearance)?;
+    let size = link.iter().fold(0.0, |size: f64, [a, _]| size.max((a - here).norm()));
+    let depth = -clearance(&Vector2::zeros());
+    let wanted = depth.max(LEAST * size).min(ENOUGH * best);
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..30 {
         let middle = 0.5 * (low + high);
-        if clearance(&(centre * middle)) < ENOUGH * best { low = middle } else { high = middle }
+        if clearance(&(centre * middle)) < wanted { low = middle } else { high = middle }
     }
     let place = here + centre * high;
     link.iter().all(|[a, b]| orientation(place, *a, *b) > 0.0).then_some(place)
@@ -108,8 +114,8 @@ mod tests {
         let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, -0.1]];
         let mut uv = corners.map(Point2::from).to_vec();
         assert_eq!(settle(&opened, &mut uv, &[FaceId(0)]), 1);
-        // The middle is 1 from all sides: half of that is enough.
-        assert!((uv[4] - Point2::new(1.0, 0.5)).norm() < 1e-6, "{}", uv[4]);
+        // A tenth outside before, a tenth inside now.
+        assert!((uv[4] - Point2::new(1.0, 0.1)).norm() < 1e-6, "{}", uv[4]);
         assert_eq!(settle(&opened, &mut uv, &[FaceId(0)]), 0, "it lies right now");
         // No place sees all of a link like this.
         let mut bent =
