@@ -133,7 +133,7 @@ fn own_colour(corner: Corner) -> vec3f {
     let mapped = textureSampleLevel(ramp, smooth_sampler, vec2f((value * 255.0 + 0.5) / 256.0, 0.5), 0.0);
     let field = select(mapped.rgb, frame.neutral.rgb, value < -1e-3);
     // A field keeps its colour in the mean; darker tells on light colours, lighter on dark ones.
-    let amount = select(vec2f(0.12, 0.09), vec2f(0.42, 0.3), is_grid);
+    let amount = select(vec2f(0.09, 0.08), vec2f(0.42, 0.3), is_grid);
     let textured = mix(field, vec3f(0.0), amount.x * shares.x);
     return mix(piece, mix(textured, vec3f(1.0), amount.y * shares.y), frame.paint.x);
 }

@@ -36,6 +36,8 @@ for (const renderer of RENDERERS) {
       await page.status(/^Ready/);
       await page.press("Step");
       await page.status(/^Paused at step 1\b/);
+      await browser.page.waitForSelector("html[data-renderer]", { state: "attached" });
+      assert.equal(await browser.page.locator("html").getAttribute("data-renderer"), renderer.name);
     });
     after(() => browser?.close());
 
@@ -211,7 +213,7 @@ describe("what stands over the views", { timeout: 600_000 }, () => {
     for (const [width, height] of SIZES) {
       it(`keeps ${method} readable at ${width} pixels: nothing is covered or cut off`, async () => {
         await browser.page.setViewportSize({ width, height });
-        const tab = browser.page.getByRole("tab", { name: method, exact: true });
+        const tab = browser.page.getByRole("tablist", { name: "Method" }).getByRole("tab", { name: method, exact: true });
         if ((await tab.getAttribute("aria-selected")) !== "true") {
           await tab.click();
           await page.status(/^(Ready|Paused|Converged)/);
@@ -242,7 +244,7 @@ describe("what stands over the views", { timeout: 600_000 }, () => {
     const legend = browser.page.locator(".flat .said");
     const text = await page.until("the legend", () => legend.textContent(), (text) => text.includes("Area distortion"));
     assert.match(text, /Area distortion change of area/);
-    assert.match(text, /max \+[\d.\u202f]+\u202f%/);
+    assert.match(text, /max [+−][\d.\u202f]+\u202f%/);
     assert.doesNotMatch(text, /log/);
   });
 
@@ -266,7 +268,7 @@ describe("what stands over the views", { timeout: 600_000 }, () => {
 /** Runs in the page: pairs of what must be read at once that share a place, and texts that do not fit. */
 function overlapping() {
   const problems = [];
-  const parts = [".surface .legend > *", ".flat .said > *", ".flat .weave", ".flat .rule", "#alarm button", "#toast", "#hint", ".surface .head > *", ".flat .head > *", "#status", "#note"];
+  const parts = [".surface .legend > *", ".flat .said > *", ".legend .title", ".flat .weave", ".flat .rule", "#alarm button", "#toast", "#hint", ".surface .head > *", ".flat .head > *", "#status", "#note"];
   const shown = parts.flatMap((name) => [...document.querySelectorAll(name)]
     .filter((node) => node.checkVisibility({ opacityProperty: true }) && node.textContent.trim() !== "" && node.clientWidth > 0)
     .map((node) => ({ name: `${name} “${node.textContent.trim().slice(0, 40)}”`, node, box: node.getBoundingClientRect() })));
