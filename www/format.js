@@ -1,7 +1,7 @@
 // Numbers as people read them: a true minus sign, narrow spaces between thousands, as many digits as mean something.
 
 const SPACE = "\u202f";
-const MINUS = "\u2212";
+export const MINUS = "\u2212";
 
 /** A fixed number of decimals. */
 export function fixed(value, decimals) {
@@ -80,4 +80,37 @@ export function ticks(top, parts, whole = false) {
   const list = [];
   for (let i = 0; i * step <= top * 1.0001; i += 1) list.push(i * step);
   return list;
+}
+
+/** 1, 2 or 5 times a power of ten: the largest up to `value`. */
+export function roundBelow(value) {
+  const power = Math.floor(Math.log10(value));
+  const factor = [5, 2, 1].find((m) => m * 10 ** power <= value * (1 + 1e-9)) ?? 1;
+  return Number(`${factor}e${power}`);
+}
+
+/** The same, whichever is nearest by ratio. */
+export function roundNear(value) {
+  const below = roundBelow(value);
+  const above = roundBelow(below * 2.6);
+  return value / below < above / value ? below : above;
+}
+
+/** A round number without zeros that say nothing: `0.05`, `20`, `2 000`. */
+export const roundText = (value) => fixed(value, Math.max(0, -Math.floor(Math.log10(value) + 1e-9)));
+
+const MM = { mm: 1, cm: 10, m: 1000, inch: 25.4 };
+
+/** The sizes of a pattern in the unit that the page shows lengths in; as they are where that is unknown. */
+export function patternIn(pattern, unit) {
+  if (!pattern || pattern.unit !== "mm" || !MM[unit] || unit === "mm") return pattern;
+  const [width, height, unit_length] = [pattern.width, pattern.height, pattern.unit_length].map((length) => length / MM[unit]);
+  return { ...pattern, width, height, unit_length, unit };
+}
+
+/** A length of a pattern: whole millimetres, else three digits. */
+export function patternLength(value, unit) {
+  if (!(value > 0)) return "0";
+  const decimals = Math.min(6, Math.max(0, 2 - Math.floor(Math.log10(value))));
+  return fixed(value, unit === "mm" && value >= 10 ? 0 : decimals);
 }

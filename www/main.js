@@ -6,6 +6,7 @@ import { byId, h, paced, settle } from "./dom.js";
 import { EngineClient } from "./engine-client.js";
 import { listenToKeys } from "./keys.js";
 import { FLAT, SURFACE, Views } from "./views.js";
+import { alarm } from "./panels/alarm.js";
 import { brushPanel } from "./panels/brush.js";
 import { fileSources } from "./panels/drop.js";
 import { emptyState } from "./panels/empty.js";
@@ -24,11 +25,12 @@ import { ruler } from "./panels/ruler.js";
 import { readAddress, shareButton, valueFor } from "./panels/share.js";
 import { statusPanel } from "./panels/status.js";
 import { symmetryPanel } from "./panels/symmetry.js";
+import { textureTool } from "./panels/texture.js";
 import { theme } from "./panels/theme.js";
 import { methodTabs, sheetTabs } from "./panels/tabs.js";
 import { foldTool, viewTools } from "./panels/tools.js";
 import { waiting } from "./panels/waiting.js";
-import { measure, percent, plural } from "./format.js";
+import { measure, patternIn, percent, plural } from "./format.js";
 
 const FIRST_SAMPLE = "ball";
 /** What the page says of a method where its own words differ. */
@@ -68,7 +70,10 @@ const now = {
   opened: {},
   fields: { current: "pieces", options: [] },
   rows: [],
+  /** Its sizes in the unit that lengths are shown in, and as they were measured. */
   pattern: null,
+  measured: null,
+  unit: "mm",
   /** What the engine says of the cut as a whole. */
   note: null,
   scene: null,
@@ -144,8 +149,9 @@ const empty = emptyState({ openMesh: openMeshSection, repairAll, toPieces, cut: 
 const exports = exportMenu(save);
 const [surfaceView, flatView] = [document.querySelector(".view.surface"), document.querySelector(".view.flat")];
 const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"));
-const legend = legends(surfaceView.querySelector(".legend"), flatView.querySelector(".legend"));
-const measureRuler = ruler(flatView.querySelector(".ruler"));
+const legend = legends(surfaceView.querySelector(".legend"), flatView.querySelector(".said"));
+const measureRuler = ruler(flatView.querySelector(".rule"));
+const danger = alarm(byId("alarm"), { reveal: showFaults, isMoving: () => status.state() === "running" });
 const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern, marked(), fold.line()));
 const fold = foldTool(
   () => onPieces({ type: "fold" }),
@@ -163,6 +169,7 @@ const views = new Views(stages, {
   taken: () => client.sceneTaken(),
   drawn() {
     measureRuler.show(views.pixelsPerUnit(), now.pattern);
+    texture.show(now.pattern);
     learn.drawn();
   },
   hover: (patch) => pieces.light(patch, true),
@@ -180,6 +187,8 @@ const views = new Views(stages, {
     });
   },
 });
+
+const texture = textureTool(views, flatView.querySelector(".weave"));
 
 const brush = brushPanel(
   views,
@@ -239,7 +248,11 @@ const handlers = {
     if (isNew && !event.solvable) sheet.toParameters();
     allow();
   },
-  size: (event) => meshPanel.size(event),
+  size(event) {
+    meshPanel.size(event);
+    now.unit = event.display_unit;
+    showPattern();
+  },
   tools: (event) => meshPanel.tools(event),
   progress: ({ label, fraction }) => waits.progress(label, fraction),
   parameters(event) {
@@ -280,13 +293,14 @@ const handlers = {
   },
   measures(event) {
     now.rows = event.rows;
-    now.pattern = event.pattern ?? null;
+    now.measured = event.pattern ?? null;
     // The table of the cones has its own place for it.
     if (event.note && event.note !== now.note && now.method !== "cones") say(event.note);
     now.note = event.note ?? null;
     measures.show(event.rows);
     pieces.show(event.pieces);
-    updateLegends();
+    danger.show(event.rows, event.pieces);
+    showPattern();
   },
   fields(event) {
     now.fields = event;
@@ -357,6 +371,7 @@ const learn = learnPanel(
   {
     field: showField,
     step: takeStep,
+    plain: (on) => views.setPlain(on),
     wires: (on) => views.setWireframe(on || byId("wireframe").getAttribute("aria-pressed") === "true"),
     layout() {
       brush.put();
@@ -397,6 +412,8 @@ async function chooseMethod(id) {
 function toMethod(id) {
   now.method = id;
   now.stages = null;
+  // What was said was said of the other method.
+  say(null);
   root.dataset.method = id;
   plot.clear();
   status.clear();
@@ -414,6 +431,23 @@ function toMethod(id) {
   byId("parameters").setAttribute("aria-labelledby", `tab-${id}`);
   sayHint();
   explainEmpty();
+}
+
+/** Shows the sizes of the pattern in the unit of the page. */
+function showPattern() {
+  now.pattern = patternIn(now.measured, now.unit);
+  if (views.pixelsPerUnit() > 0) {
+    measureRuler.show(views.pixelsPerUnit(), now.pattern);
+    texture.show(now.pattern);
+  }
+  updateLegends();
+}
+
+/** Shows where the pattern must not be cut: its rows among the measures, and a piece in both views. */
+function showFaults(ids, patch) {
+  sheet.toMeasures();
+  views.setHover(patch);
+  measures.reveal(ids);
 }
 
 function sayHint() {

@@ -38,7 +38,7 @@ export class Views {
   #renderer = "";
   #scene = null;
   #sceneIsNew = false;
-  #flags = { dark: false, checker: true, wireframe: false, hover: -1 };
+  #flags = { dark: false, texture: "none", cell: 0, isPlain: false, wireframe: false, hover: -1 };
   #sizes = ["", ""];
   #rebuilds = 0;
   #isBlind = false;
@@ -99,9 +99,22 @@ export class Views {
     this.#viewer?.set_theme(on);
   }
 
-  setChecker(on) {
-    this.#flags.checker = on;
-    this.#viewer?.set_checker(on);
+  /** What the pieces carry, and the side of its cells in the unit of the layout: 0 for one that suits the surface. */
+  setTexture(name, cell) {
+    this.#flags.texture = name;
+    this.#flags.cell = cell;
+    this.#viewer?.set_texture(this.#flags.isPlain ? "none" : name, cell);
+  }
+
+  /** Whether the texture is left out for now. */
+  setPlain(on) {
+    this.#flags.isPlain = on;
+    this.setTexture(this.#flags.texture, this.#flags.cell);
+  }
+
+  /** Side of a texture's cell that suits the surface, in the unit of the layout; 0 while nothing is shown. */
+  usualCell() {
+    return this.#scene && this.#viewer ? this.#viewer.usual_cell() : 0;
   }
 
   setWireframe(on) {
@@ -267,7 +280,7 @@ export class Views {
     this.#on.renderer(this.#renderer);
     this.#sizes = ["", ""];
     viewer.set_theme(this.#flags.dark);
-    viewer.set_checker(this.#flags.checker);
+    viewer.set_texture(this.#flags.isPlain ? "none" : this.#flags.texture, this.#flags.cell);
     viewer.set_wireframe(this.#flags.wireframe);
     viewer.set_cone_marks(this.#marks.hover, this.#marks.selected);
     this.#viewer = viewer;

@@ -10,7 +10,7 @@ pub const NONE: u32 = u32::MAX;
 
 /// Bytes per vertex of [`geometry`]: position `f32 × 3`, normal and openness `i16 × 4`.
 pub const GEOMETRY_STRIDE: u64 = 20;
-/// Bytes per vertex of [`paint`]: two checker colours `u8 × 4`, place on the ramp `f32`.
+/// Bytes per vertex of [`paint`]: two colours of the texture `u8 × 4`, place on the ramp `f32`.
 pub const PAINT_STRIDE: u64 = 12;
 /// Bytes per vertex of [`charts`]: `f32 × 2`.
 pub const CHART_STRIDE: u64 = 8;
@@ -162,7 +162,7 @@ pub fn paint(scene: &Scene) -> Vec<u8> {
         .iter()
         .map(|patch| {
             let light = color::region(patch.color);
-            // Without a chart there is no checker: both colours are the same.
+            // Without a chart there is no texture: both colours are the same.
             let dark = if patch.has_chart { light.darker() } else { light };
             [light.bytes(), dark.bytes()]
         })

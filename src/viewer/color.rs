@@ -26,9 +26,9 @@ pub const CASING: Rgb = Rgb([1.0, 1.0, 1.0]);
 /// Places that an error points at, and triangles that are turned over.
 pub const WARNING: Rgb = Rgb([0xd9 as f32 / 255.0, 0x1f as f32 / 255.0, 0x2a as f32 / 255.0]);
 
-/// How much darker the second colour of the checker is, in OKLab lightness. Twice as much competes
+/// How much darker the second colour of a piece's texture is, in OKLab lightness. Twice as much competes
 /// with the cuts; half as much is lost under the shading of the surface.
-const CHECKER_CONTRAST: f32 = 0.055;
+const TEXTURE_CONTRAST: f32 = 0.055;
 
 /// An encoded sRGB colour, components 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,10 +72,10 @@ impl Rgb {
         )
     }
 
-    /// The darker partner of a checker's colour.
+    /// The darker partner of a piece's colour in its texture.
     pub fn darker(self) -> Self {
         let [lightness, a, b] = self.to_oklab();
-        Self::from_oklab([lightness - CHECKER_CONTRAST, a, b])
+        Self::from_oklab([lightness - TEXTURE_CONTRAST, a, b])
     }
 }
 
@@ -206,12 +206,12 @@ mod tests {
     }
 
     #[test]
-    fn the_checker_darkens_lightness_alone() {
+    fn a_texture_darkens_lightness_alone() {
         for hex in PALETTE {
             let [light, a, b] = Rgb::from_hex(hex).to_oklab();
             let [dark, a2, b2] = Rgb::from_hex(hex).darker().to_oklab();
             // Looser than rounding: the darkest reds leave the gamut by a hair and are clamped.
-            assert!((light - dark - CHECKER_CONTRAST).abs() < 4e-3, "{hex:06x}");
+            assert!((light - dark - TEXTURE_CONTRAST).abs() < 4e-3, "{hex:06x}");
             assert!((a - a2).abs() < 4e-3 && (b - b2).abs() < 4e-3, "{hex:06x}");
         }
     }

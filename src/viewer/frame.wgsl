@@ -8,7 +8,7 @@ struct Frame {
     viewport: vec4f,
     // Height of the ground, half its side, opacity of its shadow, 1 seen from above and 0 from below.
     ground: vec4f,
-    // 1 with a field, 1 with a checker, length of a checker cell.
+    // 1 with a field; the texture: 0 none, 1 checkerboard, 2 grid, 3 circles; side of its cells.
     paint: vec4f,
     // Colour of a place without value.
     neutral: vec4f,

@@ -404,7 +404,7 @@ impl Painter {
             [eye.x, eye.y, eye.z, switch(projection.perspective)],
             [size.x as f32, size.y as f32, viewport.scale, projection.pixel],
             [stage.ground(), SHADOW_REACH, theme.shadow, above],
-            [switch(stage.shows_field()), switch(stage.shows_checker()), stage.checker_cell(), 0.0],
+            [switch(stage.shows_field()), stage.texture().number(), stage.cell(), 0.0],
             arrays::opaque(NEUTRAL, 1.0),
             arrays::opaque(WARNING, 1.0),
         ] {

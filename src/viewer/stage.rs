@@ -16,10 +16,10 @@ use glam::{Vec2, Vec3};
 
 /// Smallest disc, as a radius in CSS pixels, that a chart's number fits into.
 const NUMBER_ROOM: f32 = 9.0;
-/// Checker cells along the side of a square of the surface's area: about ten across one of a dozen
-/// pieces. Twice as many are a texture at the size of a laptop's window, half as many show too little of a
+/// Cells of the texture along the side of a square of the surface's area: about ten across one of a dozen
+/// pieces. Twice as many are noise at the size of a laptop's window, half as many show too little of a
 /// chart's change of scale.
-const CHECKER_CELLS: f32 = 35.0;
+const TEXTURE_CELLS: f32 = 35.0;
 /// Cones of the surface view that may have a label: more would hide the surface.
 const CONE_LABELS: usize = 48;
 /// Pixels of the colour map.
@@ -32,6 +32,39 @@ pub enum View {
     Surface,
     /// The charts on their sheet.
     Flat,
+}
+
+/// A pattern through the coordinates of the charts: what becomes of its cells on the surface is what
+/// flattening does, read backwards.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Texture {
+    /// Plain pieces.
+    #[default]
+    None,
+    /// Squares, each second one darker.
+    Checkerboard,
+    /// Lines from cell to cell.
+    Grid,
+    /// A disc in each cell: ellipses show angles that change, sizes show areas.
+    Circles,
+}
+
+impl Texture {
+    /// From what the page calls it.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "none" => Self::None,
+            "checkerboard" => Self::Checkerboard,
+            "grid" => Self::Grid,
+            "circles" => Self::Circles,
+            _ => return None,
+        })
+    }
+
+    /// What shaders know it by.
+    pub fn number(self) -> f32 {
+        f32::from(self as u8)
+    }
 }
 
 impl View {
@@ -107,7 +140,7 @@ pub struct Stage {
     neighbours: Vec<[u32; 2]>,
     rooms: Vec<f32>,
     occlusion: Option<Occlusion>,
-    checker_cell: f32,
+    usual_cell: f32,
     hierarchies: [Option<Hierarchy>; 2],
     orbit: Orbit,
     /// Whether nobody has moved the orbit since it was fitted: then it follows the size of the view.
@@ -117,7 +150,8 @@ pub struct Stage {
     sheet_is_fitted: bool,
     viewports: [Viewport; 2],
     is_dark: bool,
-    checker: bool,
+    texture: Texture,
+    cell: f32,
     wireframe: bool,
     hover: u32,
     /// Where the brush lies; empty where it does not.
@@ -137,7 +171,7 @@ impl Default for Stage {
             neighbours: Vec::new(),
             rooms: Vec::new(),
             occlusion: None,
-            checker_cell: 1.0,
+            usual_cell: 1.0,
             hierarchies: [None, None],
             orbit: Orbit::default(),
             orbit_is_fitted: true,
@@ -145,7 +179,8 @@ impl Default for Stage {
             sheet_is_fitted: true,
             viewports: [Viewport::default(); 2],
             is_dark: false,
-            checker: false,
+            texture: Texture::None,
+            cell: f32::NAN,
             wireframe: false,
             hover: NONE,
             ring: Vec::new(),
@@ -188,7 +223,7 @@ impl Stage {
         self.rooms = arrays::anchor_rooms(new);
         if is_new_mesh {
             self.occlusion = Some(Occlusion::new(new));
-            self.checker_cell = arrays::area(new).sqrt().max(1e-3) / CHECKER_CELLS;
+            self.usual_cell = arrays::area(new).sqrt().max(1e-3) / TEXTURE_CELLS;
         }
         self.stamp(is_new_mesh || places, &[Part::Geometry, Part::Wires]);
         self.stamp(is_new_mesh, &[Part::Shadow]);
@@ -246,10 +281,13 @@ impl Stage {
         self.dirty = [true; 2];
     }
 
-    /// Whether pieces carry a checkerboard, in both views.
-    pub fn set_checker(&mut self, on: bool) {
-        self.checker = on;
-        self.dirty = [true; 2];
+    /// What pieces carry in both views, and the side of its cells in the unit of the charts;
+    /// [`Self::usual_cell`] where that is not a number above 0.
+    pub fn set_texture(&mut self, texture: Texture, cell: f32) {
+        if self.texture != texture || self.cell.to_bits() != cell.to_bits() {
+            (self.texture, self.cell) = (texture, cell);
+            self.dirty = [true; 2];
+        }
     }
 
     /// Whether edges are drawn.
@@ -640,15 +678,21 @@ impl Stage {
         self.scene.field.is_some() && !self.scene.values.is_empty()
     }
 
-    /// Whether pieces carry a checkerboard.
-    pub fn shows_checker(&self) -> bool {
-        self.checker
+    /// What pieces carry.
+    pub fn texture(&self) -> Texture {
+        self.texture
     }
 
-    /// Side of a checker cell, the same on all charts for as long as a mesh is shown, so that
-    /// unequal cells on the surface show unequal scale.
-    pub fn checker_cell(&self) -> f32 {
-        self.checker_cell
+    /// Side of a cell of the texture, the same on all charts, so that unequal cells on the surface
+    /// show unequal scale.
+    pub fn cell(&self) -> f32 {
+        // Smaller than this the numbers of cells across the charts lose their fractions.
+        if self.cell > 1e-4 && self.cell.is_finite() { self.cell } else { self.usual_cell }
+    }
+
+    /// Side of a cell that suits the surface, in the unit of the charts.
+    pub fn usual_cell(&self) -> f32 {
+        self.usual_cell
     }
 
     /// Whether edges are drawn.
@@ -966,6 +1010,24 @@ mod tests {
         assert!((anchors[2] - scale).abs() < 1e-2);
         stage.zoom(View::Flat, 0.08, Vec2::new(250.0, 150.0));
         assert!(stage.anchors().iter().all(|x| x.is_nan()));
+    }
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "the same number comes back")]
+    fn cells_have_the_size_that_is_asked_for_and_else_one_that_suits_the_surface() {
+        let mut stage = stage(two_squares());
+        let usual = 2.0_f32.sqrt() / TEXTURE_CELLS;
+        assert!((stage.usual_cell() - usual).abs() < 1e-6);
+        for senseless in [f32::NAN, f32::INFINITY, 0.0, -1.0, 1e-9] {
+            stage.set_texture(Texture::Grid, senseless);
+            assert_eq!(stage.cell(), stage.usual_cell(), "{senseless}");
+        }
+        stage.set_texture(Texture::Circles, 0.125);
+        assert_eq!((stage.texture(), stage.cell()), (Texture::Circles, 0.125));
+        View::ALL.map(|view| stage.take_dirty(view));
+        stage.set_texture(Texture::Circles, 0.125);
+        assert_eq!(View::ALL.map(|view| stage.take_dirty(view)), [false, false]);
+        assert_eq!(Texture::from_name("houndstooth"), None);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::viewer::arrays::NONE;
 use crate::viewer::camera::Viewport;
 use crate::viewer::canvas::{Backend, Canvas};
 use crate::viewer::cones::Marks;
-use crate::viewer::stage::{Pick, Stage, View};
+use crate::viewer::stage::{Pick, Stage, Texture, View};
 use glam::Vec2;
 use js_sys::{Array, Float32Array, Object, Reflect, Uint32Array};
 use wasm_bindgen::prelude::*;
@@ -60,9 +60,18 @@ impl Viewer {
         self.stage.set_theme(dark);
     }
 
-    /// A checkerboard on every piece.
-    pub fn set_checker(&mut self, on: bool) {
-        self.stage.set_checker(on);
+    /// `none`, `checkerboard`, `grid` or `circles` on every piece, and the side of a cell in the unit of the charts: 0 for
+    /// one that suits the surface.
+    pub fn set_texture(&mut self, name: &str, cell: f32) -> Result<(), JsError> {
+        let texture = Texture::from_name(name)
+            .ok_or_else(|| JsError::new(&format!("no texture is called {name}")))?;
+        self.stage.set_texture(texture, cell);
+        Ok(())
+    }
+
+    /// Side of a texture's cell that suits the surface, in the unit of the charts.
+    pub fn usual_cell(&self) -> f32 {
+        self.stage.usual_cell()
     }
 
     /// The edges of all triangles.

@@ -51,14 +51,15 @@ export function errorPanel(dismissed) {
   };
 }
 
-/** One sentence that goes away again. */
+/** One sentence that goes away again; null takes it away at once. */
 export function toast() {
   const host = byId("toast");
   let timer = 0;
   return (sentence) => {
     clearTimeout(timer);
+    host.hidden = sentence === null;
+    if (sentence === null) return;
     host.textContent = sentence;
-    host.hidden = false;
     timer = setTimeout(() => (host.hidden = true), TOAST_MS);
   };
 }

@@ -2,7 +2,8 @@
 // are in index.html; the numbers come from the engine's events.
 
 import { byId, h, icon, roving, write } from "../dom.js";
-import { among, fixed, measure, short } from "../format.js";
+import { wordsOf } from "../fields.js";
+import { fixed, measure, short } from "../format.js";
 
 /** Longer side of a stage's little picture, in CSS pixels. */
 const THUMBNAIL_PX = 48;
@@ -10,7 +11,8 @@ const THUMBNAIL_PX = 48;
 const COPY_MS = 250;
 
 /**
- * @param on `field(id)` shows a field, `step()` takes one step, `wires(isOn)` shows the triangles, `layout()` before
+ * @param on `field(id)` shows a field, `step()` takes one step, `wires(isOn)` shows the triangles, `plain(isOn)` leaves the
+ * texture out, `layout()` before
  * the page is rearranged, `picture(canvas)` copies the surface as it is drawn now
  * @param facts gives `{ name, step, points, rows, fields, current, field, scene, stages, figures }` as known now: `figures` are
  * `[name, text]` of the method as a whole, for stages that ask for them with `data-figures`
@@ -36,7 +38,7 @@ export function learnPanel(on, facts) {
     lessons = all.filter(({ dataset }) => (dataset.method ?? "cutflow") === method);
     thumbnails = lessons.map(() => h("canvas", { width: 2 * THUMBNAIL_PX, height: 2 * THUMBNAIL_PX, "aria-hidden": "true" }));
     buttons = lessons.map(({ dataset: { title, brief } }, i) =>
-      h("button", { onclick: () => go(i) }, thumbnails[i], h("b", {}, `${i + 1}\u2002${title}`), h("span", {}, brief)),
+      h("button", { onclick: () => go(i) }, h("i", { class: "thumb" }, icon("eye"), thumbnails[i]), h("b", {}, `${i + 1}\u2002${title}`), h("span", {}, brief)),
     );
     list.replaceChildren(...buttons.map((button) => h("li", {}, button)));
   }
@@ -66,6 +68,7 @@ export function learnPanel(on, facts) {
     panel.hidden = true;
     delete root.dataset.learn;
     on.wires(false);
+    on.plain(false);
     if (before !== null) on.field(before);
     byId("learn").focus();
   }
@@ -104,6 +107,8 @@ export function learnPanel(on, facts) {
     );
     lesson.scrollTop = 0;
     on.wires("wires" in lessons[i].dataset);
+    // Its own colours are what a field has to show here.
+    on.plain((fieldOf(i) ?? "pieces") !== "pieces");
     on.field(fieldOf(i) ?? "pieces");
     update();
   }
@@ -123,10 +128,12 @@ export function learnPanel(on, facts) {
     if (told.length > 0) return told.map(({ label, value, unit }) => [label, measure(value, unit)]);
     const list = [];
     if (field && field.id === fieldOf(at)) {
-      const size = Math.max(...field.extremes.map(Math.abs));
-      const [least, most, mean] = [...field.extremes, field.mean].map((value) => among(value, size));
-      list.push([`${field.label}, least to most`, `${least} to ${most} ${field.unit}`]);
-      list.push([`${field.label}, mean`, `${mean} ${field.unit}`]);
+      const words = wordsOf(field);
+      const [least, most, mean] = [...field.extremes, field.mean].map(words.value);
+      // What the values say themselves needs no unit behind them.
+      const unit = words.unit === field.unit ? ` ${field.unit}` : "";
+      list.push([`${words.label}, least to most`, `${least} to ${most}${unit}`]);
+      list.push([`${words.label}, mean`, `${mean}${unit}`]);
     }
     if (dataset.figures !== undefined) return [...list, ...figures];
     if (!("check" in dataset)) return [...list, ...rows.filter(({ id }) => id === "pieces").map(({ label, now, unit }) => [label, measure(now, unit)])];

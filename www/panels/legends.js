@@ -1,16 +1,10 @@
 // What lies low in each view: the colour map of the field shown, or what the pieces amount to.
 
 import { h, s } from "../dom.js";
-import { among, fixed, percent, plural, short } from "../format.js";
+import { wordsOf } from "../fields.js";
+import { fixed, patternLength, percent, plural } from "../format.js";
 
-/** `+0.10` and `−0.10`; the ends of a range want no more digits than tell them apart. */
-function end(value, signed) {
-  const size = Math.abs(value);
-  const text = size >= 1e-3 && size < 1e4 ? fixed(value, size >= 100 ? 0 : size >= 1 ? 1 : size >= 0.1 ? 2 : 3) : short(value);
-  return signed && value > 0 ? `+${text}` : text;
-}
-
-const line = (strong, text) => [h("div", {}, h("b", {}, strong), " ", text)];
+const line = (strong, text) => [h("div", { class: "line" }, h("b", {}, strong), " ", h("span", {}, text))];
 
 function fieldLegend(field) {
   // Labels are names: they have no range and no mean.
@@ -22,22 +16,20 @@ function fieldLegend(field) {
     const height = 20 * Math.sqrt(Math.max(0, share));
     return s("rect", { x: 7 * i, y: 20 - height, width: 6, height });
   });
-  const size = Math.max(...field.extremes.map(Math.abs));
-  const stat = (name, value) => [`${name} `, h("b", {}, among(value, size)), " "];
+  const words = wordsOf(field);
+  const stat = (name, value) => [h("span", {}, `${name} `, h("b", {}, words.value(value))), " "];
   return [
     h(
       "div",
       { class: "scale" },
       s("svg", { viewBox: `0 0 ${Math.max(1, 7 * bins.length)} 20`, preserveAspectRatio: "none", "aria-hidden": "true" }, ...bars),
       h("i", { class: field.signed ? "ramp diverging" : "ramp" }),
-      h("p", {}, h("span", {}, end(low, field.signed)), field.signed ? h("span", {}, "0") : null, h("span", {}, end(high, field.signed))),
+      h("p", {}, h("span", {}, words.end(low)), field.signed ? h("span", {}, "0") : null, h("span", {}, words.end(high))),
     ),
     h(
       "div",
       {},
-      h("b", {}, field.label),
-      " ",
-      h("span", {}, field.unit),
+      h("p", { class: "title" }, h("b", {}, words.label), " ", h("span", {}, words.unit)),
       h("p", { class: "stats" }, ...stat("min", field.extremes[0]), ...stat("mean", field.mean), ...stat("max", field.extremes[1])),
     ),
   ];
@@ -59,17 +51,15 @@ function flatSummary({ patches }, pattern) {
   if (isUncut(patches)) return [];
   const waiting = patches.filter((patch) => !patch.has_chart).length;
   const flipped = patches.reduce((sum, patch) => sum + patch.flipped, 0);
-  const state = [
-    waiting > 0 ? `${plural(waiting, "piece")} not flattened yet` : null,
-    flipped > 0 ? plural(flipped, "flipped triangle") : waiting > 0 ? null : "no flipped triangles",
-  ].filter(Boolean);
+  const wait = waiting > 0 ? [`${plural(waiting, "piece")} not flattened yet`] : [];
   if (pattern) {
     const filled = pattern.filled ? [`${fixed(100 * pattern.filled, 0)} % filled`] : [];
-    const size = `${fixed(pattern.width, 0)} × ${fixed(pattern.height, 0)} ${pattern.unit}`;
-    const crossed = pattern.overlaps > 0 ? [`outlines cross ${plural(pattern.overlaps, "time")}`] : [];
-    return line(size, [...filled, ...(waiting + flipped > 0 ? state : []), ...crossed].join(", "));
+    const [width, height] = [pattern.width, pattern.height].map((length) => patternLength(length, pattern.unit));
+    // Flips and overlaps have their own place over the charts.
+    return line(`${width} × ${height} ${pattern.unit}`, [...filled, ...wait].join(", "));
   }
-  return line(plural(patches.length - waiting, "chart"), state.join(", "));
+  const turned = flipped > 0 ? [plural(flipped, "flipped triangle")] : waiting > 0 ? [] : ["no flipped triangles"];
+  return line(plural(patches.length - waiting, "chart"), [...wait, ...turned].join(", "));
 }
 
 export function legends(surface, flat) {

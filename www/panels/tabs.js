@@ -39,7 +39,7 @@ export function methodTabs(choose, say) {
   };
 }
 
-/** Gives `toParameters()`, which shows the first panel, and `name(texts)`, which names panels anew. */
+/** Gives `toParameters()` and `toMeasures()`, which show those panels, and `name(texts)`, which names panels anew. */
 export function sheetTabs() {
   const sheet = document.querySelector(".sheet");
   function show(tab) {
@@ -52,9 +52,10 @@ export function sheetTabs() {
   sheet.addEventListener("click", ({ target }) => target.role === "tab" && show(target));
   roving(sheet, "[role=tab]", show);
   const toParameters = () => show(sheet.firstElementChild);
+  const toMeasures = () => show(sheet.querySelector("[data-sheet=measures]"));
   toParameters();
   function name(texts) {
     for (const tab of sheet.children) tab.textContent = texts[tab.dataset.sheet] ?? tab.textContent;
   }
-  return { toParameters, name };
+  return { toParameters, toMeasures, name };
 }

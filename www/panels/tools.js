@@ -20,7 +20,6 @@ function toggle(id, change) {
  */
 export function viewTools(views, putBrush) {
   toggle("wireframe", (on) => views.setWireframe(on));
-  toggle("checkerboard", (on) => views.setChecker(on));
   byId("fit-surface").addEventListener("click", () => views.fit(SURFACE));
   byId("fit-pattern").addEventListener("click", () => views.fit(FLAT));
   let pans = false;
