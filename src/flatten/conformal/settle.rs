@@ -4,7 +4,7 @@
 //! Rims stay where they are, and with them partners and cones; angles about points add up to what they did, because the faces still
 //! tile the same part of the plane. What changes is how conformal a few needles are.
 
-use nalgebra::{Matrix3, Point2, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
 
 use crate::flatten::overlap::orientation;
 use crate::mesh::{FaceId, OpenedMesh, VertexId};
@@ -65,41 +65,52 @@ fn better_place(opened: &OpenedMesh, uv: &[Point2<f64>], v: VertexId) -> Option<
     let clearance = |d: &Vector2<f64>| {
         walls.iter().map(|(n, offset)| n.dot(d) - offset).fold(f64::INFINITY, f64::min)
     };
-    let (best, centre) = centre_of(&walls, clearance)?;
+    let best = best_clearance(&walls, clearance)?;
     let size = link.iter().fold(0.0, |size: f64, [a, _]| size.max((a - here).norm()));
     let depth = -clearance(&Vector2::zeros());
     let wanted = depth.max(LEAST * size).min(ENOUGH * best);
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if clearance(&(centre * middle)) < wanted { low = middle } else { high = middle }
-    }
-    let place = here + centre * high;
+    let place = here + nearest_of(&walls, wanted, clearance)?;
     link.iter().all(|[a, b]| orientation(place, *a, *b) > 0.0).then_some(place)
 }
 
-/// The place farthest from all walls, on the right side of each, with its clearance: where three walls are equally far.
-fn centre_of(
+/// The shortest way to a place with so much clearance: straight to a wall, or to where two walls meet, both moved in by it.
+fn nearest_of(
+    walls: &[(Vector2<f64>, f64)],
+    wanted: f64,
+    clearance: impl Fn(&Vector2<f64>) -> f64,
+) -> Option<Vector2<f64>> {
+    let mut ways: Vec<Vector2<f64>> =
+        walls.iter().map(|(n, offset)| n * (offset + wanted)).collect();
+    for (i, (n, p)) in walls.iter().enumerate() {
+        for (m, q) in &walls[..i] {
+            let matrix = Matrix2::new(n.x, n.y, m.x, m.y);
+            ways.extend(matrix.lu().solve(&Vector2::new(p + wanted, q + wanted)));
+        }
+    }
+    // Places on walls are on the right side of them by rounding only.
+    let lie_right = ways.into_iter().filter(|d| clearance(d) > 0.999 * wanted);
+    lie_right.min_by(|c, d| c.norm().total_cmp(&d.norm()))
+}
+
+/// The largest clearance on the right side of all walls: where three of them are equally far.
+fn best_clearance(
     walls: &[(Vector2<f64>, f64)],
     clearance: impl Fn(&Vector2<f64>) -> f64,
-) -> Option<(f64, Vector2<f64>)> {
-    let mut best: Option<(f64, Vector2<f64>)> = None;
+) -> Option<f64> {
+    let mut best: f64 = 0.0;
     for i in 0..walls.len() {
         for j in 0..i {
             for k in 0..j {
                 let rows = [i, j, k].map(|w| walls[w]);
                 let matrix = Matrix3::from_fn(|r, c| if c < 2 { rows[r].0[c] } else { -1.0 });
                 let right = Vector3::from_fn(|r, _| rows[r].1);
-                let Some(solution) = matrix.lu().solve(&right) else { continue };
-                let place = solution.xy();
-                let clear = clearance(&place);
-                if clear > best.map_or(0.0, |b| b.0) {
-                    best = Some((clear, place));
+                if let Some(solution) = matrix.lu().solve(&right) {
+                    best = best.max(clearance(&solution.xy()));
                 }
             }
         }
     }
-    best
+    (best > 0.0).then_some(best)
 }
 
 #[cfg(test)]
