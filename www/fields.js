@@ -4,9 +4,13 @@
 import { among, fixed, MINUS, short } from "./format.js";
 
 /** `+0.10` and `−0.10`; the ends of a range want no more digits than tell them apart. */
-function end(value, signed) {
+function end(value, { range, signed }) {
   const size = Math.abs(value);
-  const text = size >= 1e-3 && size < 1e4 ? fixed(value, size >= 100 ? 0 : size >= 1 ? 1 : size >= 0.1 ? 2 : 3) : short(value);
+  const few = size >= 100 ? 0 : size >= 1 ? 1 : size >= 0.1 ? 2 : 3;
+  // From 1.000 to 1.031 takes more digits than 1.0.
+  const width = range[1] - range[0];
+  const apart = width > 0 ? Math.min(6, Math.ceil(-Math.log10(width)) + 1) : 0;
+  const text = size >= 1e-3 && size < 1e4 ? fixed(value, apart > few && !signed ? apart : few) : short(value);
   return signed && value > 0 ? `+${text}` : text;
 }
 
@@ -28,5 +32,5 @@ export function wordsOf(field) {
     return { label: "Area distortion", unit: "change of area", end: (value) => areaChange(value, true), value: (value) => areaChange(value) };
   }
   const size = Math.max(...field.extremes.map(Math.abs));
-  return { label: field.label, unit: field.unit, end: (value) => end(value, field.signed), value: (value) => among(value, size) };
+  return { label: field.label, unit: field.unit, end: (value) => end(value, field), value: (value) => among(value, size) };
 }

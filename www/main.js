@@ -231,6 +231,7 @@ const handlers = {
     document.title = `Cutflow – ${event.name}`;
     brush.drop();
     fold.clear();
+    danger.show([], []);
     mesh.show(event);
     meshPanel.show(event);
     plot.clear();

@@ -226,6 +226,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "exact by construction")]
     fn a_label_is_painted_in_the_colour_of_its_region() {
         let ramp = label_ramp(256);
         for (label, index) in [(0.0, 0), (3.2, 3), (8.0, 8), (9.0, 0), (14.0, 5)] {

@@ -1024,7 +1024,7 @@ mod tests {
         }
         stage.set_texture(Texture::Circles, 0.125);
         assert_eq!((stage.texture(), stage.cell()), (Texture::Circles, 0.125));
-        View::ALL.map(|view| stage.take_dirty(view));
+        assert_eq!(View::ALL.map(|view| stage.take_dirty(view)), [true, true]);
         stage.set_texture(Texture::Circles, 0.125);
         assert_eq!(View::ALL.map(|view| stage.take_dirty(view)), [false, false]);
         assert_eq!(Texture::from_name("houndstooth"), None);
