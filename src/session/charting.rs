@@ -60,6 +60,10 @@ pub(super) fn specs() -> Vec<ParamSpec> {
             ],
             "Trades angles for lengths, as cloth, leather and sheet metal want it. No triangle turns over, seams stay equally long; painted pins stay where they are.",
         ),
+        choice(charts, "outline", "Outline",
+            &[("length", "True length"), ("free", "Least area distortion"), ("disk", "Circle"), ("rectangle", "Rectangle")],
+            "Of every chart. Anything but true length makes seams of unequal length: for textures and for looking, not for sewing.")
+            .advanced().only_if("flatten", &["auto", "bff"]),
         switch(
             charts,
             "split",
