@@ -23,7 +23,7 @@ use crate::flatten::split::{Flips, SplitParams, split_overlaps};
 use crate::flatten::{Flattening, TargetError, bff, bff_scaled};
 use crate::geometry::Geometry;
 use crate::linalg::LinalgError;
-use crate::mesh::{CutMesh, Mesh, MeshError, OpenedMesh};
+use crate::mesh::{CutMesh, Mesh, MeshError, OpenedMesh, VertexId};
 use crate::methods::cones::Cone;
 use crate::methods::flow::SolveError;
 
@@ -84,6 +84,8 @@ pub struct Charting {
     pub splits: bool,
     /// What outlines are to be. Cones keep theirs.
     pub outline: Outline,
+    /// The corners of a rectangle, vertices on the surface's own boundary; chosen by shape if none are given.
+    pub corners: Option<[VertexId; 4]>,
 }
 
 /// Which flattening.
@@ -120,7 +122,7 @@ impl FlattenBy {
 
 impl Default for Charting {
     fn default() -> Self {
-        Self { by: FlattenBy::Auto, splits: true, outline: Outline::TrueLength }
+        Self { by: FlattenBy::Auto, splits: true, outline: Outline::TrueLength, corners: None }
     }
 }
 
@@ -131,6 +133,7 @@ impl Charting {
             by: FlattenBy::of(settings.text("flatten")),
             splits: settings.is_on("split"),
             outline: Outline::of(settings.text("outline")),
+            corners: None,
         }
     }
 }
@@ -258,7 +261,9 @@ impl Patches<'_> {
             FlattenBy::Auto | FlattenBy::Bff if is_shaped => {
                 let geometry = measure_opened(&self.opened, &self.points);
                 let mut flattening = bff(&self.opened, &geometry)?;
-                charting.outline.shape(&self.opened, &geometry, &mut flattening, &[])?;
+                // The first copy of a vertex keeps its number.
+                let corners = charting.corners.as_ref().map_or(&[][..], |corners| corners);
+                charting.outline.shape(&self.opened, &geometry, &mut flattening, corners)?;
                 self.charted(geometry, flattening, "bff")
             }
             FlattenBy::Auto => self.best(metric)?,

@@ -118,6 +118,27 @@ impl Surface {
         self.soup_vertices.binary_search(&wanted).ok().map(VertexId::from)
     }
 
+    /// Four different vertices of the file on the boundary, to be the corners of a rectangle.
+    pub fn corners(&self, soup_vertices: &[usize]) -> Result<[VertexId; 4], Problem> {
+        let on_rim = |&v: &usize| {
+            self.mesh_vertex(v).filter(|&v| self.mesh.is_boundary_vertex(v)).ok_or_else(|| {
+                Problem::new(
+                    format!("Vertex {v} is not on the boundary."),
+                    format!("{}, corners of a rectangle.", self.name),
+                    "Choose four vertices on the boundary, counted from 0.",
+                )
+            })
+        };
+        let corners: Vec<VertexId> = soup_vertices.iter().map(on_rim).collect::<Result<_, _>>()?;
+        corners.try_into().map_err(|given: Vec<VertexId>| {
+            Problem::new(
+                format!("{} corners were given.", given.len()),
+                format!("{}, corners of a rectangle.", self.name),
+                "Choose four.",
+            )
+        })
+    }
+
     /// The mesh's vertex of a vertex of the file, or of the next one that a face uses.
     pub fn mesh_vertex_from(&self, soup_vertex: usize) -> Option<VertexId> {
         if soup_vertex >= self.soup.positions.len() {

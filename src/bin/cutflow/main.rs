@@ -186,6 +186,9 @@ struct FlattenArgs {
     /// What the outline of every chart is to be; cones keep theirs.
     #[arg(long, value_enum, conflicts_with = "cones")]
     outline: Option<Shape>,
+    /// The corners of a rectangle: four vertices of the file on the boundary, counted from 0. Chosen by shape without.
+    #[arg(long, value_name = "V,V,V,V", value_delimiter = ',', num_args = 4)]
+    corners: Option<Vec<usize>>,
     /// Evens the stretch out afterwards, as cloth and sheet metal want it: nothing turns over, seams stay equally long.
     #[arg(long, value_enum, num_args = 0..=1, default_missing_value = "dirichlet", value_name = "ENERGY")]
     isometric: Option<Isometric>,
@@ -352,6 +355,7 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
         by: FlattenBy::of(args.method.id()),
         splits: !args.keep_overlaps,
         outline: args.outline.map_or(Outline::TrueLength, |outline| Outline::of(outline.id())),
+        corners: args.corners.as_deref().map(|corners| surface.corners(corners)).transpose()?,
     };
     let (layout, uv) = surface_layout(surface, cut, &charting, refine)?;
     let seconds = clock.elapsed().as_secs_f64();
