@@ -396,7 +396,7 @@ fn field_values(
         }
         "stretch" => {
             let values = per_face(&layout.measures.face_stretches);
-            Some(("stretch", "L² stretch (1 is true length)", values, false))
+            Some(("stretch", "Stretch (L², 1 is true length)", values, false))
         }
         "isometry" => {
             let values = per_face(&layout.measures.face_symmetric_dirichlet);

@@ -339,6 +339,7 @@ impl Work {
             row("cut_length", "Cut length", "√A", layout.cut_length()),
             row("area_distortion", "Area distortion", "", totals.area_distortion),
             row("angle_distortion", "Angle distortion", "", totals.angle_distortion),
+            row("stretch", "Stretch L²", "", totals.l2_stretch),
             row("flipped", "Flipped triangles", "", totals.flipped as f64),
             row("overlaps", "Overlaps", "", layout.overlaps() as f64),
         ];

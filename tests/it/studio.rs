@@ -691,7 +691,7 @@ fn every_field_has_values_and_looking_at_it_changes_nothing() {
             _ => None,
         });
         let fields = fields.unwrap();
-        assert_eq!(fields.len(), 16);
+        assert_eq!(fields.len(), 18);
         for field in &fields {
             let scene = shown(&mut looked, &field.id);
             if field.id == "pieces" {

@@ -181,6 +181,9 @@ impl Session {
         }
         match cones.status() {
             _ if !cones.is_solved() => ("ready", "Ready".into()),
+            _ if !cones.is_stale && self.is_settling_due(work) => {
+                ("running", format!("Running step {rounds}: making charts"))
+            }
             _ if cones.is_stale => ("paused", format!("Paused at step {rounds}")),
             Some(Status::Infeasible) => {
                 ("stalled", format!("Converged after {rounds} steps: the target cannot be reached"))
