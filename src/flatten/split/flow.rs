@@ -1,8 +1,9 @@
 //! Shortest cuts between two sets of faces: a maximum flow on the dual graph.
 //!
-//! Faces are nodes, a side that two of them share is an edge whose capacity is what a cut along it costs. The flow is found in phases
-//! (Dinic): distances from the sources, then paths along increasing distances until all are blocked. Capacities are whole numbers, so
-//! that sums are exact and the same everywhere.
+//! Faces are nodes, a side that two of them share is an edge whose capacity is what a cut along it costs. The flow goes along shortest
+//! paths whose lengths are kept up to date where they change only (Ahuja and Orlin's improved shortest augmenting paths): where sheets
+//! are some hundred faces apart, measuring all of them again for each length takes ten times as long. Capacities are whole numbers, so that
+//! sums are exact and the same everywhere.
 
 /// No neighbour, not reached.
 const NONE: u32 = u32::MAX;
@@ -15,8 +16,11 @@ pub(super) struct Network {
     heads: Vec<u32>,
     /// What each arc can still carry.
     room: Vec<u64>,
-    levels: Vec<u32>,
-    /// How many of its arcs each node has tried in this phase.
+    /// At least as many arcs lead from each node to a sink; with as many as there are nodes there is no way.
+    distances: Vec<u32>,
+    /// How many nodes have each distance.
+    counts: Vec<u32>,
+    /// How many of its arcs each node has tried since its distance changed.
     tried: Vec<u8>,
 }
 
@@ -26,7 +30,8 @@ impl Network {
             arcs: vec![[NONE; 3]; nodes],
             heads: Vec::new(),
             room: Vec::new(),
-            levels: vec![NONE; nodes],
+            distances: Vec::new(),
+            counts: Vec::new(),
             tried: vec![0; nodes],
         }
     }
@@ -45,78 +50,109 @@ impl Network {
 
     /// For each node whether it is on the sources' side of the least cut, the one next to the sources if there are several.
     ///
-    /// **Takes** disjoint sets. **Costs** O(n) for each of the phases, whose number grows with the length of detours.
+    /// **Takes** disjoint sets. **Costs** O(n d) at worst for sets that are d faces apart along the longest path that is needed, and in
+    /// practice a few times n.
     pub fn cut(&mut self, sources: &[u32], sinks: &[u32]) -> Vec<bool> {
-        let mut is_sink = vec![false; self.arcs.len()];
-        for &t in sinks {
-            is_sink[t as usize] = true;
-        }
-        while self.measure(sources, &is_sink) {
-            self.tried.fill(0);
-            for &s in sources {
-                while self.augment(s, &is_sink) {}
-            }
-        }
-        self.levels.iter().map(|&level| level != NONE).collect()
-    }
-
-    /// Distances from the sources along arcs that have room. **Gives** whether a sink was reached.
-    fn measure(&mut self, sources: &[u32], is_sink: &[bool]) -> bool {
-        self.levels.fill(NONE);
+        self.measure(sinks);
         for &s in sources {
-            self.levels[s as usize] = 0;
+            self.send(s);
         }
-        let mut queue = sources.to_vec();
-        let mut next = 0;
-        let mut reaches = false;
-        while let Some(&node) = queue.get(next) {
-            next += 1;
-            if is_sink[node as usize] {
-                reaches = true;
-                continue;
-            }
-            for &arc in self.arcs[node as usize].iter().filter(|&&arc| arc != NONE) {
+        let mut is_reached = vec![false; self.arcs.len()];
+        let mut stack = sources.to_vec();
+        for &s in sources {
+            is_reached[s as usize] = true;
+        }
+        while let Some(node) = stack.pop() {
+            for arc in self.arcs[node as usize].into_iter().filter(|&arc| arc != NONE) {
                 let head = self.heads[arc as usize];
-                if self.room[arc as usize] > 0 && self.levels[head as usize] == NONE {
-                    self.levels[head as usize] = self.levels[node as usize] + 1;
-                    queue.push(head);
+                if self.room[arc as usize] > 0
+                    && !std::mem::replace(&mut is_reached[head as usize], true)
+                {
+                    stack.push(head);
                 }
             }
         }
-        reaches
+        is_reached
     }
 
-    /// Sends as much as one path from a source to some sink can carry. **Gives** false where no path is left.
-    fn augment(&mut self, source: u32, is_sink: &[bool]) -> bool {
+    /// Distances to the sinks, before anything flows: arcs have room both ways or not at all.
+    fn measure(&mut self, sinks: &[u32]) {
+        let nodes = self.arcs.len();
+        self.distances = vec![super::super::small(nodes); nodes];
+        for &t in sinks {
+            self.distances[t as usize] = 0;
+        }
+        let mut queue = sinks.to_vec();
+        let mut next = 0;
+        while let Some(&node) = queue.get(next) {
+            next += 1;
+            for arc in self.arcs[node as usize].into_iter().filter(|&arc| arc != NONE) {
+                let head = self.heads[arc as usize] as usize;
+                if self.room[(arc ^ 1) as usize] > 0 && self.distances[head] as usize == nodes {
+                    self.distances[head] = self.distances[node as usize] + 1;
+                    queue.push(self.heads[arc as usize]);
+                }
+            }
+        }
+        self.counts = vec![0; nodes + 1];
+        for &distance in &self.distances {
+            self.counts[distance as usize] += 1;
+        }
+        self.tried.fill(0);
+    }
+
+    /// Sends as much from a source to the sinks as there is room for.
+    fn send(&mut self, source: u32) {
+        let nodes = super::super::small(self.arcs.len());
         let mut path: Vec<u32> = Vec::new();
         let mut node = source;
-        while !is_sink[node as usize] {
-            let tried = usize::from(self.tried[node as usize]);
-            if tried == 3 {
-                // A dead end: go back, and do not come again.
-                let Some(arc) = path.pop() else { return false };
-                node = self.heads[(arc ^ 1) as usize];
-                self.tried[node as usize] += 1;
+        while self.distances[source as usize] < nodes {
+            if self.distances[node as usize] == 0 {
+                let amount = path.iter().map(|&arc| self.room[arc as usize]).min().unwrap_or(0);
+                for arc in &path {
+                    self.room[*arc as usize] -= amount;
+                    self.room[(*arc ^ 1) as usize] += amount;
+                }
+                // The next path begins where this one is blocked now.
+                let blocked = path.iter().position(|&arc| self.room[arc as usize] == 0);
+                let Some(blocked) = blocked else { return };
+                node = self.heads[(path[blocked] ^ 1) as usize];
+                path.truncate(blocked);
                 continue;
             }
-            let arc = self.arcs[node as usize][tried];
-            let leads_on = arc != NONE && self.room[arc as usize] > 0 && {
-                let level = self.levels[self.heads[arc as usize] as usize];
-                level != NONE && level == self.levels[node as usize] + 1
+            let distance = self.distances[node as usize];
+            let arcs = self.arcs[node as usize];
+            let open = |network: &Self, arc: u32| arc != NONE && network.room[arc as usize] > 0;
+            let leads_on = |network: &Self, arc: u32| {
+                open(network, arc)
+                    && network.distances[network.heads[arc as usize] as usize] + 1 == distance
             };
-            if leads_on {
-                path.push(arc);
-                node = self.heads[arc as usize];
-            } else {
-                self.tried[node as usize] += 1;
+            let first = usize::from(self.tried[node as usize]);
+            if let Some(i) = (first..3).find(|&i| leads_on(self, arcs[i])) {
+                self.tried[node as usize] = [0, 1, 2][i];
+                path.push(arcs[i]);
+                node = self.heads[arcs[i] as usize];
+                continue;
+            }
+            // No way from here is that short any more.
+            let nearest = arcs
+                .into_iter()
+                .filter(|&arc| open(self, arc))
+                .map(|arc| self.distances[self.heads[arc as usize] as usize] + 1)
+                .min();
+            let longer = nearest.unwrap_or(nodes).min(nodes);
+            self.counts[distance as usize] -= 1;
+            self.counts[longer as usize] += 1;
+            self.distances[node as usize] = longer;
+            self.tried[node as usize] = 0;
+            if self.counts[distance as usize] == 0 {
+                // No node is that far any more: whatever is farther, this source among it, has no way.
+                return;
+            }
+            if let Some(arc) = path.pop() {
+                node = self.heads[(arc ^ 1) as usize];
             }
         }
-        let amount = path.iter().map(|&arc| self.room[arc as usize]).min().unwrap_or(0);
-        for arc in &path {
-            self.room[*arc as usize] -= amount;
-            self.room[(*arc ^ 1) as usize] += amount;
-        }
-        amount > 0
     }
 }
 
