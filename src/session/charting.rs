@@ -326,10 +326,12 @@ impl Patches<'_> {
         if (flipped == 0 && is_exact) || too_sharp {
             return Ok(self.charted(geometry, flattening, "bff"));
         }
+        let charts = |flattening: &Flattening| flattening.charts.iter().flatten().count();
         match self.conformal(metric) {
             Ok(conformal)
-                if conformal.report.flipped_after < flipped
-                    || (conformal.report.flipped_after == flipped && !is_exact) =>
+                if charts(&conformal.flattening) >= charts(&flattening)
+                    && (conformal.report.flipped_after < flipped
+                        || (conformal.report.flipped_after == flipped && !is_exact)) =>
             {
                 let mut charted = Charted::of_conformal(conformal);
                 charted.made.bff_flipped = flipped;

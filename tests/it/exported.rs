@@ -133,7 +133,7 @@ fn look(session: &mut Session, name: &str) {
 
 /// Cuts by the flow and by cones, exports, looks.
 fn try_both(name: &str, mut session: Session) {
-    if !session.document().is_some_and(|document| document.surface().is_ok()) {
+    if session.document().is_none_or(|document| document.surface().is_err()) {
         session.handle(Command::RepairAll);
     }
     set(&mut session, "steps", Value::Number(6.0));

@@ -144,7 +144,8 @@ enum Shape {
 impl Shape {
     fn id(self) -> &'static str {
         match self {
-            Self::Length | Self::Sphere => "length",
+            Self::Length => "length",
+            Self::Sphere => "sphere",
             Self::Free => "free",
             Self::Disk => "disk",
             Self::Rectangle => "rectangle",
@@ -326,6 +327,21 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
             "The flattened surface is written as OBJ.",
             args.output.display().to_string(),
             "Choose a name that ends in .obj.",
+        ));
+    }
+    let is_bff = matches!(args.method, Method::Auto | Method::Bff);
+    if let Some(shape) = args.outline.filter(|&shape| shape != Shape::Length && !is_bff) {
+        return Err(Problem::new(
+            format!("The outline {} belongs to boundary first flattening.", shape.id()),
+            "The choice of --outline beside --method.",
+            "Leave out --method, or choose bff.",
+        ));
+    }
+    if args.corners.is_some() && args.outline != Some(Shape::Rectangle) {
+        return Err(Problem::new(
+            "Corners were given, and no rectangle.",
+            "The choice of --corners.",
+            "Add --outline rectangle.",
         ));
     }
     if args.outline == Some(Shape::Sphere) {

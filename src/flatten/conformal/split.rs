@@ -165,7 +165,7 @@ mod tests {
             let middles = [0, 1, 2].map(|i| (mask >> i & 1 == 1).then_some(3 + i));
             let squared = |a: u32, b: u32| {
                 let [a, b] = [a, b].map(|p| places[p as usize]);
-                (a[0] - b[0] as f64).powi(2) + (a[1] - b[1] as f64).powi(2)
+                (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)
             };
             let parts = divide([0, 1, 2], middles, squared);
             assert_eq!(parts.len(), 1 + mask.count_ones() as usize, "{mask}");
