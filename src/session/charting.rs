@@ -56,9 +56,8 @@ pub(super) fn specs() -> Vec<ParamSpec> {
             &[
                 ("none", "Off"),
                 ("dirichlet", "Symmetric Dirichlet"),
-                ("arap", "ARAP"),
             ],
-            "Trades angles for lengths, as cloth, leather and sheet metal want it: by symmetric Dirichlet energy, or as rigid as possible (ARAP). No triangle turns over, seams stay equally long; painted pins stay where they are.",
+            "Trades angles for lengths, as cloth, leather and sheet metal want it, by symmetric Dirichlet energy. No triangle turns over, seams stay equally long; painted pins stay where they are.",
         ),
         choice(charts, "outline", "Outline",
             &[("length", "True length"), ("free", "Least area distortion"), ("disk", "Circle"), ("rectangle", "Rectangle")],
@@ -129,12 +128,13 @@ impl Default for Charting {
 impl Charting {
     /// As the parameters say.
     pub fn of(settings: &Settings) -> Self {
-        Self {
-            by: FlattenBy::of(settings.text("flatten")),
-            splits: settings.is_on("split"),
-            outline: Outline::of(settings.text("outline")),
-            corners: None,
-        }
+        let by = FlattenBy::of(settings.text("flatten"));
+        // The other ways have outlines of their own.
+        let outline = match by {
+            FlattenBy::Auto | FlattenBy::Bff => Outline::of(settings.text("outline")),
+            _ => Outline::TrueLength,
+        };
+        Self { by, splits: settings.is_on("split"), outline, corners: None }
     }
 }
 

@@ -118,7 +118,7 @@ pub fn sphere_obj(surface: &Surface) -> Result<Vec<u8>, Problem> {
     Ok(text.into_bytes())
 }
 
-/// Flattens a surface along a cut, or along cuts to disks only. **Takes** what to even out: `none`, `dirichlet` or `arap`.
+/// Flattens a surface along a cut, or along cuts to disks only. **Takes** what to even out: `none` or `dirichlet`.
 /// **Gives** the layout and the bytes of `uv.obj`.
 pub fn surface_layout(
     surface: &Surface,

@@ -170,8 +170,11 @@ impl Layout {
             // About a cone with more than a full turn, what seams leave together in one sector overlaps for certain.
             let angles: Vec<_> = metric.cones.iter().map(|c| (c.vertex, c.angle)).collect();
             let parted = part_sectors(mesh, geometry, &seams, &angles, seam_cost)?;
-            let other = chart(&parted.seams)?;
-            if other.opened.patch_count < charted.opened.patch_count {
+            // What there is already is good without.
+            if let Ok(other) = chart(&parted.seams)
+                && other.opened.patch_count < charted.opened.patch_count
+                && other.made.cut_out <= charted.made.cut_out
+            {
                 charted = other;
             }
         }

@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::charting::ChartError;
 use crate::flatten::Flattening;
-use crate::flatten::targets::{Interior, RimTarget, TargetError, TargetSolver};
+use crate::flatten::targets::{Interior, RimTarget, TargetSolver};
 use crate::geometry::Geometry;
 use crate::mesh::{OpenedMesh, VertexId};
 
@@ -61,10 +61,8 @@ impl Outline {
                 }
                 Self::Rectangle => {
                     let outline: Vec<_> = rim.iter().map(|v| flattening.uv[v.index()]).collect();
-                    let Some(corners) = best_corners(&outline) else {
-                        let given = rim.len();
-                        return Err(TargetError::Corners { given, needed: 4 }.into());
-                    };
+                    // A triangle has no four corners: it stays as it is.
+                    let Some(corners) = best_corners(&outline) else { continue };
                     RimTarget::Rectangle(corners.map(|i| rim[i]).to_vec())
                 }
             };

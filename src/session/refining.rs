@@ -1,7 +1,10 @@
 //! Evening out charts: a flow on the charts at rest, whose every step is a picture.
 
+use super::charting::Charting;
 use super::layout::Layout;
 use super::message::Event;
+use super::method::Method;
+use super::outlines::Outline;
 use super::report::RefinedReport;
 use super::surface::Surface;
 use super::text::Problem;
@@ -27,12 +30,11 @@ pub(super) struct Refinement {
 }
 
 impl Refinement {
-    /// From the charts of a layout. **Takes** what is to be evened out (`none`, `dirichlet`, `arap`) and how firmly vertices of
+    /// From the charts of a layout. **Takes** what is to be evened out (`none` or `dirichlet`) and how firmly vertices of
     /// the surface are pinned; empty for not at all. **Gives** nothing where nothing is asked for.
     pub fn begin(layout: &Layout, energy: &str, pins: &[f64]) -> Result<Option<Self>, SolveError> {
         let (energy, distortion) = match energy {
             "dirichlet" => ("dirichlet", Distortion::SymmetricDirichlet),
-            "arap" => ("arap", Distortion::Arap),
             _ => return Ok(None),
         };
         let params = IsometricParams { distortion, ..IsometricParams::default() };
@@ -70,13 +72,25 @@ impl Refinement {
             before: self.before,
             after: state.energy().distortion,
             seam_difference: state.seam_difference(),
+            seams_met: state.seam_difference() <= self.flow.params().seam_tolerance,
         };
         layout.refine(surface, self.flow.flattening(), report);
+        if !self.is_running && !report.seams_met {
+            let text = format!(
+                "Evening out left both sides of a seam unequal by {:.2} %.",
+                100.0 * report.seam_difference
+            );
+            layout.notice = Some(match layout.notice.take() {
+                Some(before) => format!("{before} {text}"),
+                None => text,
+            });
+        }
         Ok(())
     }
 
-    /// All steps that are left.
+    /// All steps that are left, after a pause too.
     pub fn finish(&mut self, surface: &Surface, layout: &mut Layout) -> Result<(), SolveError> {
+        self.is_running = self.flow.status() == Status::Running && self.flow.steps() < STEPS;
         while self.is_running {
             self.step(surface, layout)?;
         }
@@ -93,7 +107,10 @@ impl Work {
     /// Begins to even out charts at rest, if that is asked for.
     pub(super) fn begin_refinement(&mut self) -> Result<(), Problem> {
         let Some(layout) = &self.layout else { return Ok(()) };
-        let energy = self.settings.text("refine");
+        // An outline that was asked for would not be kept.
+        let is_shaped = self.method == Method::CutFlow
+            && Charting::of(&self.settings).outline != Outline::TrueLength;
+        let energy = if is_shaped { "none" } else { self.settings.text("refine") };
         self.refinement = Refinement::begin(layout, energy, &self.layers.pin)
             .map_err(|error| Problem::solve(&self.document.name, &error))?;
         Ok(())

@@ -260,7 +260,7 @@ pub struct SplitReport {
 /// Charts evened out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RefinedReport {
-    /// `dirichlet` or `arap`.
+    /// `dirichlet`.
     pub energy: &'static str,
     /// Steps made.
     pub steps: usize,
@@ -270,6 +270,8 @@ pub struct RefinedReport {
     pub after: f64,
     /// Largest relative difference of the lengths of partners.
     pub seam_difference: f64,
+    /// Whether that is within a tenth of a millimetre in a metre.
+    pub seams_met: bool,
 }
 
 impl InfoReport {

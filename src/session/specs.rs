@@ -73,7 +73,12 @@ pub fn specs() -> Vec<ParamSpec> {
 pub fn specs_of(method: Method) -> Vec<ParamSpec> {
     match method {
         Method::CutFlow => specs(),
-        Method::Cones => [cones::specs(), charting::specs(), size()].concat(),
+        Method::Cones => {
+            // Cones decide what the outline is.
+            let mut charts = charting::specs();
+            charts.retain(|spec| spec.id != "outline");
+            [cones::specs(), charts, size()].concat()
+        }
     }
 }
 

@@ -153,24 +153,6 @@ impl Shape {
     }
 }
 
-/// What evening out makes small.
-#[derive(Clone, Copy, ValueEnum)]
-enum Isometric {
-    /// Symmetric Dirichlet energy.
-    Dirichlet,
-    /// As rigid as possible.
-    Arap,
-}
-
-impl Isometric {
-    fn id(self) -> &'static str {
-        match self {
-            Self::Dirichlet => "dirichlet",
-            Self::Arap => "arap",
-        }
-    }
-}
-
 #[derive(Args)]
 struct FlattenArgs {
     #[command(flatten)]
@@ -188,11 +170,11 @@ struct FlattenArgs {
     #[arg(long, value_enum, conflicts_with = "cones")]
     outline: Option<Shape>,
     /// The corners of a rectangle: four vertices of the file on the boundary, counted from 0. Chosen by shape without.
-    #[arg(long, value_name = "V,V,V,V", value_delimiter = ',', num_args = 4)]
+    #[arg(long, value_name = "V,V,V,V", value_delimiter = ',')]
     corners: Option<Vec<usize>>,
     /// Evens the stretch out afterwards, as cloth and sheet metal want it: nothing turns over, seams stay equally long.
-    #[arg(long, value_enum, num_args = 0..=1, default_missing_value = "dirichlet", value_name = "ENERGY")]
-    isometric: Option<Isometric>,
+    #[arg(long)]
+    isometric: bool,
     /// Leaves charts that overlap themselves as they are.
     #[arg(long)]
     keep_overlaps: bool,
@@ -321,7 +303,7 @@ fn finish(
 fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
     let document = open(&args.mesh)?;
     let surface = document.surface()?;
-    let refine = args.isometric.map_or("none", Isometric::id);
+    let refine = if args.isometric { "dirichlet" } else { "none" };
     if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
         return Err(Problem::new(
             "The flattened surface is written as OBJ.",
@@ -342,6 +324,13 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
             "Corners were given, and no rectangle.",
             "The choice of --corners.",
             "Add --outline rectangle.",
+        ));
+    }
+    if args.isometric && args.outline.is_some_and(|shape| shape != Shape::Length) {
+        return Err(Problem::new(
+            "Evening out does not keep an outline.",
+            "The choice of --outline beside --isometric.",
+            "Leave one of them out.",
         ));
     }
     if args.outline == Some(Shape::Sphere) {
