@@ -108,3 +108,14 @@ pub enum SolveError {
     #[error("the energy is not finite")]
     NotFinite,
 }
+
+impl SolveError {
+    /// Checks a parameter against its range; NaN is in none.
+    pub fn within(name: &'static str, value: f64, min: f64, max: f64) -> Result<(), Self> {
+        if value >= min && value <= max {
+            Ok(())
+        } else {
+            Err(Self::Parameter { name, value, min, max })
+        }
+    }
+}

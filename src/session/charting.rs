@@ -60,7 +60,7 @@ pub(super) fn specs() -> Vec<ParamSpec> {
             "Trades angles for lengths, as cloth, leather and sheet metal want it, by symmetric Dirichlet energy. No triangle turns over, seams stay equally long; painted pins stay where they are.",
         ),
         choice(charts, "outline", "Outline",
-            &[("length", "True length"), ("free", "Least area distortion"), ("disk", "Circle"), ("rectangle", "Rectangle")],
+            &[("length", "True length"), ("disk", "Circle"), ("rectangle", "Rectangle")],
             "Of every chart. Anything but true length makes seams of unequal length: for textures and for looking, not for sewing.")
             .advanced().only_if("flatten", &["auto", "bff"]),
         switch(
@@ -194,6 +194,8 @@ pub struct Made {
     pub conformal: Option<ConformalReport>,
     /// Triangles that boundary first flattening turned over, where conformal equivalence took over for that.
     pub bff_flipped: usize,
+    /// Why conformal equivalence did not take over, where it was tried.
+    pub refusal: Option<String>,
     /// Charts more than before, because charts overlapped themselves.
     pub charts_added: usize,
     /// Length of the cuts between them.
@@ -327,7 +329,7 @@ impl Patches<'_> {
             return Ok(self.charted(geometry, flattening, "bff"));
         }
         let charts = |flattening: &Flattening| flattening.charts.iter().flatten().count();
-        match self.conformal(metric) {
+        let refusal = match self.conformal(metric) {
             Ok(conformal)
                 if charts(&conformal.flattening) >= charts(&flattening)
                     && (conformal.report.flipped_after < flipped
@@ -336,11 +338,16 @@ impl Patches<'_> {
                 let mut charted = Charted::of_conformal(conformal);
                 charted.made.bff_flipped = flipped;
                 charted.made.notice = notice_of(&charted.made);
-                Ok(charted)
+                return Ok(charted);
             }
-            // What conformal equivalence cannot do is no reason to have no charts at all.
-            _ => Ok(self.charted(geometry, flattening, "bff")),
-        }
+            Ok(_) => "it would not do better".to_owned(),
+            Err(error) => error.to_string(),
+        };
+        // What conformal equivalence cannot do is no reason to have no charts at all.
+        let mut charted = self.charted(geometry, flattening, "bff");
+        charted.made.refusal = Some(refusal);
+        charted.made.notice = notice_of(&charted.made);
+        Ok(charted)
     }
 }
 
@@ -396,12 +403,15 @@ impl Charted {
 
 /// What a person should know of how charts came about.
 fn notice_of(made: &Made) -> Option<String> {
-    let turned = (made.bff_flipped > 0).then(|| {
-        let triangles = plural(made.bff_flipped, "triangle");
-        format!(
-            "Conformal equivalence took over: boundary first flattening turned {triangles} over."
-        )
-    });
+    let turned = match &made.refusal {
+        Some(reason) => Some(format!("Conformal equivalence could not take over: {reason}.")),
+        None => (made.bff_flipped > 0).then(|| {
+            let triangles = plural(made.bff_flipped, "triangle");
+            format!(
+                "Conformal equivalence took over: boundary first flattening turned {triangles} over."
+            )
+        }),
+    };
     let split = (made.charts_added > 0).then(|| {
         let added = plural(made.charts_added, "piece");
         match made.cut_out {

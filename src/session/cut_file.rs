@@ -131,7 +131,7 @@ pub fn surface_layout(
         Layout::full(surface, cut, charting, None).map_err(|error| error.problem(&surface.name))?;
     let wrong = |error| Problem::solve(&surface.name, &error);
     if let Some(mut refinement) = Refinement::begin(&layout, refine, &[]).map_err(wrong)? {
-        refinement.finish(surface, &mut layout).map_err(wrong)?;
+        refinement.finish(surface, &mut layout);
     }
     let bytes =
         pattern::uv_obj(&layout.surface(surface, None), &layout.charts, 1.0 / surface.frame.scale);

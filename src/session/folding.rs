@@ -21,11 +21,9 @@ impl Session {
     /// Begins a preview of the cut at rest. A running flow is paused.
     pub(super) fn fold(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
-        let was_settled = self.work.as_ref().is_some_and(|work| work.is_settled);
-        self.settled()?;
-        if !was_settled {
-            events.extend(self.work.as_ref().map(super::work::Work::measures));
-        }
+        // Charts may be made, or evened out, for it.
+        let measures = self.settled()?.measures();
+        events.push(measures);
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         let Some(layout) = &work.layout else { return Err(nothing_open()) };
         let wrong = |error| Problem::solve(&work.document.name, &error);

@@ -96,13 +96,13 @@ impl Layout {
             let snapped = snap_to_edges(mesh, geometry, &cut)?;
             let mut result = Self::full(surface, snapped.cut, charting, previous)?;
             if !snapped.lost.is_empty() {
-                result.notice = Some(format!(
+                result.tell(&format!(
                     "Snapping to mesh edges lost {}: {} too narrow for the triangles there.",
                     plural(snapped.lost.len(), "piece"),
                     if snapped.lost.len() == 1 { "it is" } else { "they are" },
                 ));
             } else if !snapped.keeps_shapes {
-                result.notice = Some("Snapping to mesh edges changed the shape of a piece.".into());
+                result.tell("Snapping to mesh edges changed the shape of a piece.");
             }
             return Ok(result);
         }
@@ -117,8 +117,12 @@ impl Layout {
         let straight = finish_cut(mesh, geometry, &rough, held, &params, finish.pins)?;
         let as_it_was = |rough, points, notice: Option<String>| -> Result<Self, ChartError> {
             let (opened, length) = (disks.opened, disks.length);
-            let whole = Self::whole(surface, rough, points, opened, length, charting, previous)?;
-            Ok(Self { notice: notice.or(whole.notice), ..whole })
+            let mut whole =
+                Self::whole(surface, rough, points, opened, length, charting, previous)?;
+            if let Some(notice) = notice {
+                whole.tell(&notice);
+            }
+            Ok(whole)
         };
         if let Some(reason) = straight.unchanged {
             let notice = (reason != Unchanged::NoCut)
@@ -251,6 +255,14 @@ impl Layout {
         let places = flattening.place(&self.opened, &self.packing);
         self.charts = places.iter().map(|p| [p.x, p.y]).collect();
         self.flattening = flattening;
+    }
+
+    /// Adds a sentence to what a person should know.
+    pub fn tell(&mut self, sentence: &str) {
+        self.notice = Some(match self.notice.take() {
+            Some(before) => format!("{before} {sentence}"),
+            None => sentence.to_owned(),
+        });
     }
 
     /// Triangles that are turned over, those that were cut out because nothing else helped included.

@@ -1,4 +1,4 @@
-//! Outlines that charts are given instead of their true length: round, rectangular, or whatever distorts areas least.
+//! Outlines that charts are given instead of their true length: round or rectangular.
 
 use nalgebra::{Point2, Vector2};
 
@@ -14,8 +14,6 @@ pub enum Outline {
     /// As long as on the surface.
     #[default]
     TrueLength,
-    /// Free, with the least area distortion.
-    Free,
     /// A circle.
     Disk,
     /// A rectangle.
@@ -26,7 +24,6 @@ impl Outline {
     /// By the identifier of the option.
     pub fn of(id: &str) -> Self {
         match id {
-            "free" => Self::Free,
             "disk" => Self::Disk,
             "rectangle" => Self::Rectangle,
             _ => Self::TrueLength,
@@ -54,7 +51,7 @@ impl Outline {
             let mut solver = TargetSolver::new(opened, geometry, patch)?;
             let rim: Vec<VertexId> = solver.rim().iter().map(|&h| opened.mesh.tail(h)).collect();
             let target = match self {
-                Self::TrueLength | Self::Free => RimTarget::Free,
+                Self::TrueLength => RimTarget::Isometric,
                 Self::Disk => RimTarget::Disk,
                 Self::Rectangle if corners.iter().any(|corner| rim.contains(corner)) => {
                     RimTarget::Rectangle(corners.to_vec())

@@ -20,6 +20,11 @@ const STEPS: usize = 200;
 /// Pins as strong as this hold.
 const HELD: f64 = 0.5;
 
+/// Why charts are not evened out, or no further.
+fn untold(error: &SolveError) -> String {
+    format!("Evening out ended early: {error}.")
+}
+
 /// Charts that are being evened out.
 pub(super) struct Refinement {
     flow: IsometricFlow,
@@ -57,14 +62,36 @@ impl Refinement {
         Ok(Some(Self { flow, energy, before, is_running: true }))
     }
 
-    /// One step; the layout follows.
-    pub fn step(&mut self, surface: &Surface, layout: &mut Layout) -> Result<(), SolveError> {
-        let report = self.flow.step();
-        let is_over = !matches!(&report, Ok(report) if report.status == Status::Running);
-        if is_over || self.flow.steps() >= STEPS {
-            self.is_running = false;
+    /// One step; the layout follows. What goes wrong ends the run, and the charts stay as they are, which the layout tells.
+    pub fn step(&mut self, surface: &Surface, layout: &mut Layout) {
+        if let Err(error) = self.advance() {
+            layout.tell(&untold(&error));
         }
-        report?;
+        self.show(surface, layout);
+    }
+
+    /// All steps that are left, after a pause too; the layout follows once.
+    pub fn finish(&mut self, surface: &Surface, layout: &mut Layout) {
+        self.is_running = self.flow.status() == Status::Running && self.flow.steps() < STEPS;
+        if !self.is_running {
+            return;
+        }
+        while self.is_running {
+            if let Err(error) = self.advance() {
+                layout.tell(&untold(&error));
+            }
+        }
+        self.show(surface, layout);
+    }
+
+    fn advance(&mut self) -> Result<(), SolveError> {
+        let report = self.flow.step();
+        let goes_on = matches!(&report, Ok(report) if report.status == Status::Running);
+        self.is_running = goes_on && self.flow.steps() < STEPS;
+        report.map(|_| ())
+    }
+
+    fn show(&self, surface: &Surface, layout: &mut Layout) {
         let state = self.flow.state();
         let report = RefinedReport {
             energy: self.energy,
@@ -76,25 +103,11 @@ impl Refinement {
         };
         layout.refine(surface, self.flow.flattening(), report);
         if !self.is_running && !report.seams_met {
-            let text = format!(
+            layout.tell(&format!(
                 "Evening out left both sides of a seam unequal by {:.2} %.",
                 100.0 * report.seam_difference
-            );
-            layout.notice = Some(match layout.notice.take() {
-                Some(before) => format!("{before} {text}"),
-                None => text,
-            });
+            ));
         }
-        Ok(())
-    }
-
-    /// All steps that are left, after a pause too.
-    pub fn finish(&mut self, surface: &Surface, layout: &mut Layout) -> Result<(), SolveError> {
-        self.is_running = self.flow.status() == Status::Running && self.flow.steps() < STEPS;
-        while self.is_running {
-            self.step(surface, layout)?;
-        }
-        Ok(())
     }
 
     /// Steps made.
@@ -104,27 +117,25 @@ impl Refinement {
 }
 
 impl Work {
-    /// Begins to even out charts at rest, if that is asked for.
-    pub(super) fn begin_refinement(&mut self) -> Result<(), Problem> {
-        let Some(layout) = &self.layout else { return Ok(()) };
+    /// Begins to even out charts at rest, if that is asked for. Where it cannot be done they stay as they are, which the layout tells.
+    pub(super) fn begin_refinement(&mut self) {
+        let Some(layout) = &mut self.layout else { return };
         // An outline that was asked for would not be kept.
         let is_shaped = self.method == Method::CutFlow
             && Charting::of(&self.settings).outline != Outline::TrueLength;
         let energy = if is_shaped { "none" } else { self.settings.text("refine") };
-        self.refinement = Refinement::begin(layout, energy, &self.layers.pin)
-            .map_err(|error| Problem::solve(&self.document.name, &error))?;
-        Ok(())
+        match Refinement::begin(layout, energy, &self.layers.pin) {
+            Ok(refinement) => self.refinement = refinement,
+            Err(error) => layout.tell(&untold(&error)),
+        }
     }
 
     /// Evens out to the end.
     pub(super) fn finish_refinement(&mut self) -> Result<(), Problem> {
-        let (Some(refinement), Some(layout)) = (&mut self.refinement, &mut self.layout) else {
-            return Ok(());
-        };
-        let surface = self.document.surface()?;
-        refinement
-            .finish(surface, layout)
-            .map_err(|error| Problem::solve(&self.document.name, &error))
+        if let (Some(refinement), Some(layout)) = (&mut self.refinement, &mut self.layout) {
+            refinement.finish(self.document.surface()?, layout);
+        }
+        Ok(())
     }
 }
 
@@ -140,9 +151,7 @@ impl Session {
             return Ok(());
         };
         let surface = work.document.surface()?;
-        refinement
-            .step(surface, layout)
-            .map_err(|error| Problem::solve(&work.document.name, &error))?;
+        refinement.step(surface, layout);
         self.scene_is_new = true;
         events.push(work.measures());
         Ok(())

@@ -144,6 +144,9 @@ pub struct FlattenReport {
     pub angles_exact: bool,
     /// Proof that nothing is turned over or covered twice, or the worst there is.
     pub validity: ValidityReport,
+    /// Triangles that boundary first flattening had turned over, where conformal equivalence took over for that.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub bff_flipped: usize,
     /// What conformal equivalence did, where it did it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conformal: Option<EquivalenceReport>,
@@ -342,12 +345,18 @@ impl FlattenReport {
             seams_equal: layout.flattening.seams_equal,
             angles_exact: layout.flattening.angles_exact,
             validity: ValidityReport::new(layout),
+            bff_flipped: layout.made.bff_flipped,
             conformal: layout.made.conformal.as_ref().map(EquivalenceReport::new),
             split: SplitReport::new(layout),
             refined: layout.refined,
             seconds,
         }
     }
+}
+
+/// Says to serde what is left out.
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 impl ValidityReport {
@@ -386,7 +395,7 @@ impl EquivalenceReport {
 impl SplitReport {
     fn new(layout: &Layout) -> Option<Self> {
         let made = &layout.made;
-        (made.charts_added > 0).then_some(Self {
+        (made.charts_added > 0 || made.cut_out > 0).then_some(Self {
             charts_added: made.charts_added,
             length: made.split_length,
             triangles_cut_out: made.cut_out,

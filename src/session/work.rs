@@ -294,7 +294,8 @@ impl Work {
                 .map_err(|error| error.problem(&surface.name))?;
             self.put_layout(layout);
             self.is_settled = true;
-            return self.begin_refinement();
+            self.begin_refinement();
+            return Ok(());
         }
         // The whole layout takes the most memory of all: what it does not need makes room for it.
         if let Some(flow) = &mut self.flow {
@@ -314,7 +315,8 @@ impl Work {
         if self.start.is_none() {
             self.start = Some(self.rows());
         }
-        self.begin_refinement()
+        self.begin_refinement();
+        Ok(())
     }
 
     /// Millimetres per √area.

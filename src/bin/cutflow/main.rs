@@ -131,8 +131,6 @@ impl Method {
 enum Shape {
     /// As long as on the surface.
     Length,
-    /// Whatever distorts areas least.
-    Free,
     /// A circle.
     Disk,
     /// A rectangle.
@@ -146,7 +144,6 @@ impl Shape {
         match self {
             Self::Length => "length",
             Self::Sphere => "sphere",
-            Self::Free => "free",
             Self::Disk => "disk",
             Self::Rectangle => "rectangle",
         }
@@ -331,6 +328,13 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
             "Evening out does not keep an outline.",
             "The choice of --outline beside --isometric.",
             "Leave one of them out.",
+        ));
+    }
+    if args.outline == Some(Shape::Sphere) && (args.cut.is_some() || args.report.json.is_some()) {
+        return Err(Problem::new(
+            "A sphere has neither cuts nor a report on charts.",
+            "The choice of --outline sphere.",
+            "Leave out --cut and --json.",
         ));
     }
     if args.outline == Some(Shape::Sphere) {

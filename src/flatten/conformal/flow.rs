@@ -34,10 +34,7 @@ impl Default for ConformalParams {
 impl ConformalParams {
     /// Checks every option against its range.
     pub fn validate(&self) -> Result<(), SolveError> {
-        let within = |name, value: f64, min: f64, max: f64| match value >= min && value <= max {
-            true => Ok(()),
-            false => Err(SolveError::Parameter { name, value, min, max }),
-        };
+        let within = SolveError::within;
         // Below 1e-12 no mesh of some thousand vertices gets; above 1e-3 charts do not close.
         within("angle tolerance", self.tolerance, 1e-12, 1e-3)?;
         within("steps", self.most_steps as f64, 1.0, 1e4)?;

@@ -70,13 +70,7 @@ impl Default for FoldParams {
 impl FoldParams {
     /// Checks every option against its range.
     pub fn validate(&self) -> Result<(), SolveError> {
-        let within = |name, value: f64, min: f64, max: f64| {
-            if value >= min && value <= max {
-                Ok(())
-            } else {
-                Err(SolveError::Parameter { name, value, min, max })
-            }
-        };
+        let within = SolveError::within;
         within("bending stiffness", self.bending, 0.0, 1.0)?;
         within("pull", self.pull, 0.0, 1e3)?;
         within("kick", self.kick, 0.0, 2.0)?;

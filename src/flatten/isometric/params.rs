@@ -38,13 +38,7 @@ impl Default for IsometricParams {
 impl IsometricParams {
     /// Checks every option against its range.
     pub fn validate(&self) -> Result<(), SolveError> {
-        let within = |name, value: f64, min: f64, max: f64| {
-            if value >= min && value <= max {
-                Ok(())
-            } else {
-                Err(SolveError::Parameter { name, value, min, max })
-            }
-        };
+        let within = SolveError::within;
         within("seam weight", self.seam_weight, 0.0, 1e6)?;
         within("seam tolerance", self.seam_tolerance, 1e-9, 1.0)?;
         within("pin weight", self.pin_weight, 0.0, 1e8)?;

@@ -75,13 +75,7 @@ impl Default for ConeParams {
 impl ConeParams {
     /// Checks every option against its range.
     pub fn validate(&self) -> Result<(), SolveError> {
-        let within = |name, value: f64, min: f64, max: f64| {
-            if value >= min && value <= max {
-                Ok(())
-            } else {
-                Err(SolveError::Parameter { name, value, min, max })
-            }
-        };
+        let within = SolveError::within;
         // Below 1e-9 of the area the cones are the curvature itself; above 1e9 nothing changes any more.
         within("price of cone angle λ", self.lambda, 1e-12, 1e12)?;
         within("price of boundary corners", self.boundary_cost, 1e-3, 1e3)?;

@@ -38,13 +38,7 @@ impl ConePath {
     /// **Takes** the number of samples (at least 2), the smallest λ as a fraction of λ_max, and the number of cones beyond which no further
     /// sample is begun.
     pub fn new(samples: usize, least: f64, most_cones: usize) -> Result<Self, SolveError> {
-        let within = |name, value: f64, min: f64, max: f64| {
-            if value >= min && value <= max {
-                Ok(())
-            } else {
-                Err(SolveError::Parameter { name, value, min, max })
-            }
-        };
+        let within = SolveError::within;
         within("number of samples", samples as f64, 2.0, 1000.0)?;
         within("smallest λ", least, 1e-6, 1.0)?;
         Ok(Self {

@@ -95,13 +95,7 @@ impl Default for CutFlowParams {
 impl CutFlowParams {
     /// Checks every option against its range.
     pub fn validate(&self) -> Result<(), SolveError> {
-        let within = |name, value: f64, min: f64, max: f64| {
-            if value >= min && value <= max {
-                Ok(())
-            } else {
-                Err(SolveError::Parameter { name, value, min, max })
-            }
-        };
+        let within = SolveError::within;
         let weights = &self.weights;
         within("Dirichlet weight", weights.dirichlet, 0.0, 1e8)?;
         within("Hencky weight", weights.hencky, 0.0, 1e10)?;
