@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Complex, Point2};
 
 use super::overlap::{Bounds, Tree, contacts, for_overlapping, orientation, winding};
-use super::validity::{Validity, face_places};
+use super::validity::face_places;
 use super::{Flattening, Packing};
 use crate::geometry::Geometry;
 use crate::mesh::{FaceId, OpenedMesh};
@@ -50,9 +50,6 @@ pub struct ChartMeasures {
     pub symmetric_dirichlet: f64,
     /// Smallest signed area of a face in the plane; ∞ without faces.
     pub smallest_signed_area: f64,
-    /// Area in the plane of what pairs of faces have in common. None where the outline meets itself and nobody has measured it: see
-    /// [`Measures::add_overlaps`].
-    pub overlapping_area: Option<f64>,
     /// Hencky energy Σ A s², the integral of u² with the scale that the chart really has.
     pub hencky: f64,
 }
@@ -72,20 +69,6 @@ pub struct Measures {
     pub face_stretches: Vec<f64>,
     /// ¼ (σ₁² + σ₂² + σ₁⁻² + σ₂⁻²) of each face; NaN without chart or area.
     pub face_symmetric_dirichlet: Vec<f64>,
-}
-
-impl Measures {
-    /// Takes over the areas of overlaps that [`super::validate`] found within charts.
-    pub fn add_overlaps(&mut self, validity: &Validity) {
-        let mut total = 0.0;
-        for (chart, valid) in self.charts.iter_mut().zip(&validity.charts) {
-            if let (Some(chart), Some(valid)) = (chart, valid) {
-                chart.overlapping_area = Some(valid.overlapping_area);
-                total += valid.overlapping_area;
-            }
-        }
-        self.totals.overlapping_area = Some(total);
-    }
 }
 
 /// Measures all charts. **Costs** O(F + n log n), n rim edges; O(F log F) for charts whose outlines touch themselves.
@@ -112,14 +95,12 @@ pub fn measure(opened: &OpenedMesh, geometry: &Geometry, flattening: &Flattening
         }
         sums[patch].add(&map);
     }
-    let mut totals = Sums { overlapping_area: Some(0.0), ..Sums::default() };
+    let mut totals = Sums::default();
     let charts = (0..patch_count)
         .map(|patch| {
             flattening.charts[patch].as_ref().ok()?;
             let is_flipped = sums[patch].flipped > 0;
-            let (overlaps, is_proven) = overlaps_within(opened, flattening, patch, is_flipped);
-            sums[patch].overlaps = overlaps;
-            sums[patch].overlapping_area = is_proven.then_some(0.0);
+            sums[patch].overlaps = overlaps_within(opened, flattening, patch, is_flipped);
             totals.merge(&sums[patch]);
             Some(sums[patch].measures())
         })
@@ -134,22 +115,21 @@ pub fn measure(opened: &OpenedMesh, geometry: &Geometry, flattening: &Flattening
     }
 }
 
-/// How often a chart overlaps itself, as [`ChartMeasures::overlaps`] counts, and whether it is proven that nothing in it is covered twice.
+/// How often a chart overlaps itself, as [`ChartMeasures::overlaps`] counts.
 fn overlaps_within(
     opened: &OpenedMesh,
     flattening: &Flattening,
     patch: usize,
     is_flipped: bool,
-) -> (usize, bool) {
+) -> usize {
     let contacts = contacts(&[&flattening.outline(opened, patch)]);
     if is_flipped || !contacts.crossings.is_empty() {
-        return (contacts.crossings.len(), false);
+        return contacts.crossings.len();
     }
     if contacts.touches.is_empty() {
-        return (0, true);
+        return 0;
     }
-    let pairs = pairs_among(opened, &flattening.uv, |p| p == patch, |_, _| true);
-    (pairs, pairs == 0)
+    pairs_among(opened, &flattening.uv, |p| p == patch, |_, _| true)
 }
 
 /// Number of pairs of faces that overlap, among some patches, of which certain pairs count.
@@ -296,7 +276,6 @@ struct Sums {
     /// Area in the plane of the faces that are averaged.
     flat_weight: f64,
     smallest_signed_area: f64,
-    overlapping_area: Option<f64>,
 }
 
 impl Default for Sums {
@@ -318,7 +297,6 @@ impl Default for Sums {
             symmetric_dirichlet: 0.0,
             flat_weight: 0.0,
             smallest_signed_area: f64::INFINITY,
-            overlapping_area: None,
         }
     }
 }
@@ -368,8 +346,6 @@ impl Sums {
         self.symmetric_dirichlet += other.symmetric_dirichlet;
         self.flat_weight += other.flat_weight;
         self.smallest_signed_area = self.smallest_signed_area.min(other.smallest_signed_area);
-        self.overlapping_area =
-            self.overlapping_area.zip(other.overlapping_area).map(|(a, b)| a + b);
     }
 
     /// NaN where there is no face to average.
@@ -395,7 +371,6 @@ impl Sums {
             linf_stretch_normalized: self.stretch_max * size,
             symmetric_dirichlet: self.symmetric_dirichlet / self.weight,
             smallest_signed_area: self.smallest_signed_area,
-            overlapping_area: self.overlapping_area,
             hencky: self.scale_squared,
         }
     }

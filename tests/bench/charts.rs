@@ -1,12 +1,9 @@
 //! Figures of flattening: boundary first, conformal equivalence, the proof that nothing overlaps.
 
-use std::sync::Arc;
-
 use cutflow::flatten::conformal::{ConformalFlow, ConformalParams, RimCondition};
 use cutflow::flatten::{bff, validate};
-use cutflow::geometry::{Geometry, Laplacian};
-use cutflow::linalg::{Analysis, Factor};
-use cutflow::mesh::CutMesh;
+use cutflow::geometry::Geometry;
+use cutflow::mesh::{CutMesh, Mesh, OpenedMesh};
 use cutflow::methods::cones::{ConeFields, ConeFlow, ConeParams, RoundParams, round_clusters};
 use cutflow::methods::cutflow::{Initial, initial_labels, labelled_cut};
 use cutflow::methods::cutgraph::{cut_through, cut_to_disks};
@@ -14,23 +11,17 @@ use cutflow::methods::flow::{Flow, Status};
 use cutflow::session::Document;
 use nalgebra::Point3;
 
-use crate::{Row, factorisation, mean, seconds, sphere};
+use crate::{Row, factored, factorisation, mean, seconds, sphere};
 
 /// Time of one solve with the factor of a mesh's Laplacian.
-fn solve(mesh: &cutflow::mesh::Mesh, geometry: &Geometry) -> f64 {
-    let laplacian = Laplacian::new(mesh, geometry);
-    let mut values = laplacian.values.clone();
-    for (v, area) in geometry.vertex_dual_areas(mesh).iter().enumerate() {
-        values[laplacian.pattern.diagonal(v)] += 0.01 * area;
-    }
-    let analysis = Arc::new(Analysis::new(laplacian.pattern).expect("memory suffices"));
-    let mut factor = Factor::new(analysis, &values).expect("the matrix is positive definite");
+fn solve(mesh: &Mesh, geometry: &Geometry) -> f64 {
+    let (mut factor, _) = factored(mesh, geometry);
     let mut x = vec![1.0; mesh.vertex_count()];
     mean(10, || factor.solve(&mut x, 1))
 }
 
 /// A sphere cut into normal clusters, opened and measured.
-fn cut_sphere(frequency: u32) -> (cutflow::mesh::OpenedMesh, Geometry) {
+fn cut_sphere(frequency: u32) -> (OpenedMesh, Geometry) {
     let (mesh, geometry) = sphere(frequency);
     let initial = Initial::NormalClusters { angle: 0.9, regions: 10 };
     let labels = initial_labels(&mesh, &geometry, &initial).expect("a sphere has clusters").labels;

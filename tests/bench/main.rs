@@ -73,15 +73,21 @@ fn sphere(frequency: u32) -> (Mesh, Geometry) {
     (mesh, geometry)
 }
 
-/// Mean time of a numeric factorisation of the Laplacian plus a hundredth of the mass.
-fn factorisation(mesh: &Mesh, geometry: &Geometry, repeats: usize) -> f64 {
+/// The Laplacian plus a hundredth of the mass: its factor and its values.
+fn factored(mesh: &Mesh, geometry: &Geometry) -> (Factor, Vec<f64>) {
     let laplacian = Laplacian::new(mesh, geometry);
     let mut values = laplacian.values.clone();
     for (v, area) in geometry.vertex_dual_areas(mesh).iter().enumerate() {
         values[laplacian.pattern.diagonal(v)] += 0.01 * area;
     }
     let analysis = Arc::new(Analysis::new(laplacian.pattern).expect("memory suffices"));
-    let mut factor = Factor::new(analysis, &values).expect("the matrix is positive definite");
+    let factor = Factor::new(analysis, &values).expect("the matrix is positive definite");
+    (factor, values)
+}
+
+/// Mean time of a numeric factorisation.
+fn factorisation(mesh: &Mesh, geometry: &Geometry, repeats: usize) -> f64 {
+    let (mut factor, values) = factored(mesh, geometry);
     mean(repeats, || factor.refactor(&values).expect("as before"))
 }
 

@@ -9,12 +9,11 @@ use cutflow::flatten::{Flattening, NoChart, bff, measure};
 use cutflow::geometry::Geometry;
 use cutflow::linalg::LinalgError;
 use cutflow::mesh::{CutMesh, Mesh, OpenedMesh};
-use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial, Weights};
+use cutflow::methods::cutflow::Initial;
 use cutflow::methods::cutgraph::cut_to_disks;
-use cutflow::methods::flow::Flow;
-use nalgebra::{Point2, Point3, Rotation3};
+use nalgebra::{Point2, Point3};
 
-use crate::surfaces::Surface;
+use crate::surfaces::{Surface, cut_by_flow, grid};
 
 /// A surface opened along mesh edges.
 pub struct Sheet {
@@ -38,16 +37,7 @@ impl Sheet {
 
     /// A surface after some steps of the cut flow, its patches cut to disks.
     pub fn of_flow(surface: Surface, initial: &Initial, steps: usize) -> Self {
-        let Surface { mesh, geometry, .. } = surface;
-        let weights = Weights { dirichlet: 1.0, hencky: 500.0, length: 2.0, ..Weights::default() };
-        let params = CutFlowParams { weights, ..CutFlowParams::default() };
-        let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), initial, params).unwrap();
-        for _ in 0..steps {
-            flow.step().unwrap();
-        }
-        let mut cut = flow.cut_mesh();
-        let points: Vec<_> = cut.points.iter().map(|&p| geometry.locate(&mesh, p)).collect();
-        cut_to_disks(&mut cut, &points).unwrap();
+        let (cut, points) = cut_by_flow(surface, initial, 500.0, steps);
         Self::open(&cut, &points)
     }
 
@@ -60,27 +50,8 @@ impl Sheet {
 
     /// A grid of `n` × `m` squares, each divided; columns close if asked to, and are slit then.
     pub fn grid([n, m]: [u32; 2], closed: bool, place: impl Fn(f64, f64) -> [f64; 3]) -> Self {
-        let columns = if closed { n } else { n + 1 };
-        let tilt = Rotation3::from_euler_angles(0.4, -0.2, 1.0);
-        let mut points = Vec::new();
-        for j in 0..=m {
-            for i in 0..columns {
-                let p = place(f64::from(i) / f64::from(n), f64::from(j) / f64::from(m));
-                points.push(tilt * Point3::from(p));
-            }
-        }
+        let (points, triangles, columns) = grid([n, m], closed, place);
         let at = |i: u32, j: u32| j * columns + i % columns;
-        let mut triangles = Vec::new();
-        for j in 0..m {
-            for i in 0..n {
-                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                triangles.extend(if (i + j) % 2 == 0 {
-                    [[a, b, c], [a, c, d]]
-                } else {
-                    [[a, b, d], [b, c, d]]
-                });
-            }
-        }
         let slit = if closed { (0..m).map(|j| [at(3, j), at(3, j + 1)]).collect() } else { vec![] };
         Self::new(&points, &triangles, slit)
     }

@@ -5,12 +5,11 @@ use std::f64::consts::{PI, TAU};
 use cutflow::flatten::{Flattening, FoldFlow, FoldParams, bff};
 use cutflow::geometry::Geometry;
 use cutflow::mesh::{CutMesh, Mesh, OpenedMesh};
-use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial, Weights};
-use cutflow::methods::cutgraph::cut_to_disks;
+use cutflow::methods::cutflow::Initial;
 use cutflow::methods::flow::{Flow, SolveError, Status};
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use crate::surfaces::Surface;
+use crate::surfaces::{Surface, cut_by_flow, grid};
 
 /// A cut surface with its charts.
 struct Case {
@@ -39,16 +38,8 @@ impl Case {
 
     /// A surface after some steps of the cut flow, its patches cut to disks.
     fn of_flow(surface: Surface, initial: &Initial, hencky: f64, steps: usize) -> Self {
-        let Surface { mesh, geometry, .. } = surface;
-        let weights = Weights { dirichlet: 1.0, hencky, length: 2.0, ..Weights::default() };
-        let params = CutFlowParams { weights, ..CutFlowParams::default() };
-        let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), initial, params).unwrap();
-        for _ in 0..steps {
-            flow.step().unwrap();
-        }
-        let mut cut = flow.cut_mesh();
-        let points: Vec<_> = cut.points.iter().map(|&p| geometry.locate(&mesh, p)).collect();
-        let opened = cut_to_disks(&mut cut, &points).unwrap().opened;
+        let (cut, points) = cut_by_flow(surface, initial, hencky, steps);
+        let opened = cut.open().unwrap();
         Self::new(points, opened)
     }
 
@@ -72,26 +63,8 @@ fn bare() -> FoldParams {
 
 /// A closed tube of `rows` rows around the z axis, slit along one column.
 fn tube(around: u32, rows: u32, place: impl Fn(f64, f64) -> [f64; 3]) -> Case {
-    let tilt = Rotation3::from_euler_angles(0.4, -0.2, 1.0);
-    let mut points = Vec::new();
-    for j in 0..=rows {
-        for i in 0..around {
-            let at = place(f64::from(i) / f64::from(around), f64::from(j) / f64::from(rows));
-            points.push(tilt * Point3::from(at));
-        }
-    }
-    let at = |i: u32, j: u32| j * around + i % around;
-    let mut triangles = Vec::new();
-    for j in 0..rows {
-        for i in 0..around {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            triangles.extend(if (i + j) % 2 == 0 {
-                [[a, b, c], [a, c, d]]
-            } else {
-                [[a, b, d], [b, c, d]]
-            });
-        }
-    }
+    let (points, triangles, _) = grid([around, rows], true, place);
+    let at = |i: u32, j: u32| j * around + i;
     Case::along_edges(points, &triangles, (0..rows).map(|j| [at(5, j), at(5, j + 1)]).collect())
 }
 

@@ -2,8 +2,12 @@
 
 use cutflow::geometry::{Geometry, polygon};
 use cutflow::mesh::read::obj;
-use cutflow::mesh::{Mesh, Soup};
+use cutflow::mesh::{CutMesh, Mesh, Soup};
+use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial, Weights};
+use cutflow::methods::cutgraph::cut_to_disks;
+use cutflow::methods::flow::Flow;
 use cutflow::session::samples;
+use nalgebra::{Point3, Rotation3};
 
 /// A mesh of unit area.
 pub struct Surface {
@@ -109,4 +113,55 @@ pub fn cylinder(around: u32, rows: u32) -> Soup {
         }
     }
     Soup::from_triangles(positions, &triangles)
+}
+
+/// A grid of `n` × `m` squares, each divided, tilted out of all axes; its columns close if asked to. **Gives** points, triangles, and how
+/// many points a row has.
+pub fn grid(
+    [n, m]: [u32; 2],
+    closed: bool,
+    place: impl Fn(f64, f64) -> [f64; 3],
+) -> (Vec<Point3<f64>>, Vec<[u32; 3]>, u32) {
+    let columns = if closed { n } else { n + 1 };
+    let tilt = Rotation3::from_euler_angles(0.4, -0.2, 1.0);
+    let mut points = Vec::new();
+    for j in 0..=m {
+        for i in 0..columns {
+            let p = place(f64::from(i) / f64::from(n), f64::from(j) / f64::from(m));
+            points.push(tilt * Point3::from(p));
+        }
+    }
+    let at = |i: u32, j: u32| j * columns + i % columns;
+    let mut triangles = Vec::new();
+    for j in 0..m {
+        for i in 0..n {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            triangles.extend(if (i + j) % 2 == 0 {
+                [[a, b, c], [a, c, d]]
+            } else {
+                [[a, b, d], [b, c, d]]
+            });
+        }
+    }
+    (points, triangles, columns)
+}
+
+/// The cut of a surface after some steps of the flow, its patches cut to disks, and where its points lie.
+pub fn cut_by_flow(
+    surface: Surface,
+    initial: &Initial,
+    hencky: f64,
+    steps: usize,
+) -> (CutMesh, Vec<Point3<f64>>) {
+    let Surface { mesh, geometry, .. } = surface;
+    let weights = Weights { dirichlet: 1.0, hencky, length: 2.0, ..Weights::default() };
+    let params = CutFlowParams { weights, ..CutFlowParams::default() };
+    let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), initial, params).unwrap();
+    for _ in 0..steps {
+        flow.step().unwrap();
+    }
+    let mut cut = flow.cut_mesh();
+    let points: Vec<_> = cut.points.iter().map(|&p| geometry.locate(&mesh, p)).collect();
+    cut_to_disks(&mut cut, &points).unwrap();
+    (cut, points)
 }
