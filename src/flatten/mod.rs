@@ -64,6 +64,9 @@ pub enum NoChart {
         /// The face, of the opened mesh.
         face: FaceId,
     },
+    /// Nobody has asked for it yet.
+    #[error("the chart waits until the cut rests")]
+    Waiting,
     /// No flat metric with the angles asked for was found.
     #[error("no flat metric was found: angles are off by {angle_error} still")]
     NotConverged {
@@ -89,6 +92,18 @@ pub struct Flattening {
 }
 
 impl Flattening {
+    /// No charts: for a cut that moves on at once.
+    pub fn waiting(opened: &OpenedMesh) -> Self {
+        let count = opened.mesh.vertex_count();
+        Self {
+            charts: vec![Err(NoChart::Waiting); opened.patch_count],
+            uv: vec![Point2::new(f64::NAN, f64::NAN); count],
+            u: vec![f64::NAN; count],
+            seams_equal: true,
+            angles_exact: false,
+        }
+    }
+
     /// The outline of a chart, counter-clockwise; empty without chart.
     pub fn outline(&self, opened: &OpenedMesh, patch: usize) -> Vec<Point2<f64>> {
         let rim = self.charts[patch].as_deref().unwrap_or_default();

@@ -33,6 +33,8 @@ pub struct Layers {
     pub cone_cost: Rc<Vec<f64>>,
     /// Where cones are forbidden, from one half.
     pub excluded: Rc<Vec<f64>>,
+    /// Where seams of developable patches stay, from one half.
+    pub seams: Rc<Vec<f64>>,
     /// Labels of a cut that was brought along.
     pub brought: Rc<Vec<u32>>,
     /// Symmetries that the cut keeps.

@@ -81,6 +81,26 @@ impl Layout {
         Self::whole(surface, cut, points, disks.opened, disks.length, charting, previous)
     }
 
+    /// A cut that moves on at once: with charts if it has at most so many patches, without if it has more.
+    pub fn sketch(
+        surface: &Surface,
+        cut: CutMesh,
+        charting: &Charting,
+        most: usize,
+        previous: Option<&Packing>,
+    ) -> Result<Self, ChartError> {
+        let opened = cut.open()?;
+        if opened.patch_count <= most {
+            return Self::full(surface, cut, charting, previous);
+        }
+        let points = place(surface, &cut);
+        let geometry = measure_opened(&opened, &points);
+        let flattening = Flattening::waiting(&opened);
+        let made = Made { method: "none", ..Made::default() };
+        let charted = Charted { cut, points, opened, geometry, flattening, made };
+        Ok(Self::new(surface, charted, 0.0, previous))
+    }
+
     /// Flattens a cut at rest: finished, with its patches cut to disks.
     ///
     /// A straighter cut is taken only if its charts have no more turned-over triangles than those of the cut as it was.

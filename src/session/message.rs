@@ -133,7 +133,7 @@ pub enum Command {
     Unfold,
     /// Chooses the method; what the other one made stays.
     SetMethod {
-        /// `cutflow` or `cones`.
+        /// `cutflow`, `cones`, `phasefield` or `developable`.
         id: String,
     },
     /// Puts a cone where a person wants one.
@@ -355,15 +355,13 @@ pub enum Event {
     Scene,
 }
 
-/// A method and whether it can be chosen.
+/// A method.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct MethodChoice {
     /// Stable identifier.
     pub id: String,
     /// What a person reads.
     pub label: String,
-    /// Whether it is there yet.
-    pub available: bool,
 }
 
 /// Settings for a purpose.

@@ -6,63 +6,65 @@ use super::text::Problem;
 use super::work::{Pending, Work};
 
 /// Which method is at work.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Method {
     /// Variational surface cutting [VSC].
     #[default]
     CutFlow,
     /// Optimal cones [MAD].
     Cones,
+    /// Phase-field segmentation [PF].
+    PhaseField,
+    /// Quasi-developable patches [LPFB].
+    Developable,
 }
 
-/// Identifiers and labels, those that are not there yet included.
-const METHODS: [(&str, &str, Option<Method>); 4] = [
-    ("cutflow", "Cut flow", Some(Method::CutFlow)),
-    ("cones", "Cones", Some(Method::Cones)),
-    ("phasefield", "Phase field", None),
-    ("developable", "Developable patches", None),
+/// Identifiers and labels.
+const METHODS: [(&str, &str, Method); 4] = [
+    ("cutflow", "Cut flow", Method::CutFlow),
+    ("cones", "Cones", Method::Cones),
+    ("phasefield", "Phase field", Method::PhaseField),
+    ("developable", "Developable patches", Method::Developable),
 ];
 
 impl Method {
     /// The method of an identifier, if there is one.
     pub fn from_id(id: &str) -> Option<Self> {
-        METHODS.iter().find(|(known, ..)| *known == id).and_then(|&(.., method)| method)
+        METHODS.iter().find(|(known, ..)| *known == id).map(|&(.., method)| method)
     }
 
     /// Stable identifier.
     pub fn id(self) -> &'static str {
-        METHODS.iter().find(|(.., method)| *method == Some(self)).map_or("", |(id, ..)| id)
+        METHODS.iter().find(|(.., method)| *method == self).map_or("", |(id, ..)| id)
     }
 
     /// What a person reads.
     pub fn label(self) -> &'static str {
-        METHODS.iter().find(|(.., method)| *method == Some(self)).map_or("", |(_, label, _)| label)
+        METHODS.iter().find(|(.., method)| *method == self).map_or("", |(_, label, _)| label)
     }
 
     /// The field that is painted when the method is shown for the first time.
     pub fn first_field(self) -> &'static str {
         match self {
-            Self::CutFlow => "pieces",
+            Self::CutFlow | Self::Developable => "pieces",
             Self::Cones => "u",
+            Self::PhaseField => "phase",
         }
     }
 
-    /// Identifiers of those that can be chosen.
+    /// All identifiers.
     pub fn known() -> String {
-        let ids: Vec<&str> =
-            METHODS.iter().filter(|(.., method)| method.is_some()).map(|(id, ..)| *id).collect();
-        ids.join(", ")
+        METHODS.map(|(id, ..)| id).join(", ")
     }
 }
 
 /// All methods and the one at work.
 pub fn event(current: Method) -> Event {
-    let choice = |&(id, label, method): &(&str, &str, Option<Method>)| MethodChoice {
+    let choice = |(id, label, _): (&str, &str, Method)| MethodChoice {
         id: id.into(),
         label: label.into(),
-        available: method.is_some(),
     };
-    Event::Methods { current: current.id().into(), options: METHODS.iter().map(choice).collect() }
+    Event::Methods { current: current.id().into(), options: METHODS.map(choice).into() }
 }
 
 impl Session {
@@ -104,6 +106,12 @@ impl Session {
                 // The flow has not heard of what was painted meanwhile.
                 work.pending = work.pending.max(Pending::Fields);
             }
+            Method::PhaseField | Method::Developable => {
+                work.first_cut_is_due = false;
+                if work.document.surface.is_some() {
+                    self.segment_prepare(events)?;
+                }
+            }
         }
         self.scene_is_new = true;
         events.push(self.methods());
@@ -113,6 +121,9 @@ impl Session {
         events.push(self.fields());
         self.push_energy(events);
         events.extend(self.cones_event());
+        if self.is_segmenting() && self.work.as_ref().is_some_and(|work| !work.is_settled) {
+            self.settle(events);
+        }
         events.extend(self.work.as_ref().map(Work::measures));
         events.push(self.history_event());
         events.push(self.status());

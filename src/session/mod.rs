@@ -34,6 +34,7 @@ mod report;
 mod running;
 pub mod samples;
 pub mod scene;
+mod segmenting;
 mod size;
 mod specs;
 mod surface;
@@ -241,6 +242,8 @@ impl Session {
             } else if self.method() == Method::Cones {
                 self.is_running = false;
                 Ok(())
+            } else if self.is_segmenting() {
+                self.segment_on(&mut events)
             } else {
                 self.one_step(&mut events)
             };
@@ -259,7 +262,7 @@ impl Session {
             && self.preparation.is_none()
             && !work.first_cut_is_due
             && work.pending == Pending::None
-            && work.method == Method::CutFlow
+            && work.method != Method::Cones
             && !work.is_settled
         {
             self.settle(&mut events);
@@ -333,14 +336,13 @@ impl Session {
             return None;
         }
         let work = self.work.as_mut()?;
-        let is_uncut =
-            work.layout.is_none() && (work.flow.is_none() || work.method == Method::Cones);
+        let is_uncut = work.layout.is_none() && !work.has_cut();
         if work.document.surface.is_none() || is_uncut || self.shown.is_some() {
             let scene = doctor::scene(&work.document, self.shown.as_deref(), work.revision);
             work.revision += 1;
             return Some(scene);
         }
-        if !work.is_settled && work.method == Method::CutFlow {
+        if !work.is_settled && work.has_cut() {
             match work.preview() {
                 Ok(()) => self.late.push(work.measures()),
                 Err(problem) => {
@@ -549,6 +551,8 @@ impl Session {
             }
             work.symmetries = old.symmetries.or(work.symmetries);
             work.cones.keep_solver(old.cones);
+            work.phase.keep(old.phase);
+            work.develop.keep(old.develop);
         }
         if is_other {
             events.push(Event::Mesh(work.document.summary.clone()));
@@ -567,6 +571,12 @@ impl Session {
         events.push(self.fields());
         if self.method() == Method::Cones {
             events.extend(self.work.as_ref().map(|work| work.cones.path_event()));
+        }
+        if self.is_segmenting()
+            && self.work.as_ref().is_some_and(|work| work.document.surface.is_some())
+            && let Err(problem) = self.segment_prepare(events)
+        {
+            events.push(error_event(problem));
         }
         if !is_other {
             events.extend(self.size_event());
@@ -664,6 +674,8 @@ impl Session {
             (Effect::Export, None) => events.push(work.measures()),
             (Effect::Cones, None) => self.cones_are_due(),
             (Effect::ConeSet, None) => self.use_cones_anew(),
+            (Effect::Segments, None) if self.is_segmenting() => self.segment_follow(events)?,
+            (Effect::Segments, None) => {}
         }
         events.push(self.parameters());
         events.push(self.presets());
@@ -780,6 +792,8 @@ impl Session {
             ("ready", "Ready: the mesh needs repair before it can be cut".to_owned())
         } else if work.method == Method::Cones {
             self.cones_status(work)
+        } else if self.is_segmenting() {
+            self.segment_text(work)
         } else if self.is_running {
             let is_testing = work.flow.as_ref().is_some_and(CutFlow::is_testing);
             let what = if is_testing { ": is there a better cut beside it?" } else { "" };

@@ -31,6 +31,10 @@ impl Work {
                 let set = self.cones.set.as_ref().filter(|set| set.is_of_cones());
                 return Ok(set.map(|set| set.u.clone()));
             }
+            "phase" | "weight" | "yamabe" | "normal_error" => {
+                return Ok(self.segmentation().and_then(|segmentation| segmentation.field(id)));
+            }
+            "seam_paint" => return Ok(layer(&self.layers.seams)),
             "phi" => return Ok(self.cones.optimum.as_ref().map(|state| state.phi.clone())),
             "regions" => {
                 // A stroke goes on from the cut that is there, unless regions were painted before.

@@ -71,11 +71,37 @@ const CONE_CHANNELS: [[&str; 4]; 5] = [
     ],
 ];
 
+/// The same for phase fields.
+const PHASE_CHANNELS: [[&str; 4]; 1] = [[
+    "region",
+    "Regions",
+    "label",
+    "What the first division starts from: the first region on one side, all others on the other.",
+]];
+
+/// The same for developable patches.
+const DEVELOP_CHANNELS: [[&str; 4]; 2] = [
+    [
+        "penalty",
+        "Hide seams",
+        "amount",
+        "Seams avoid what is painted: faces, logos, what is in sight.",
+    ],
+    [
+        "seam_paint",
+        "Keep seams",
+        "amount",
+        "Seams that run through what is painted stay: pieces are not merged across them.",
+    ],
+];
+
 /// What can be painted.
 fn channels(method: Method) -> &'static [[&'static str; 4]] {
     match method {
         Method::CutFlow => &CHANNELS,
         Method::Cones => &CONE_CHANNELS,
+        Method::PhaseField => &PHASE_CHANNELS,
+        Method::Developable => &DEVELOP_CHANNELS,
     }
 }
 
@@ -96,6 +122,7 @@ impl Session {
                 "unimportant" => layers.unimportant.is_empty(),
                 "cone_cost" => layers.cone_cost.is_empty(),
                 "excluded" => layers.excluded.is_empty(),
+                "seam_paint" => layers.seams.is_empty(),
                 _ => layers.pin.is_empty(),
             },
         };
@@ -134,7 +161,8 @@ impl Session {
         let count = surface.mesh.vertex_count();
         let pending = match channel {
             "region" => {
-                if layers.regions.is_empty() || work.settings.text("init") != "painted" {
+                let start = work.settings.text(start_parameter(work.method));
+                if layers.regions.is_empty() || start != "painted" {
                     layers.regions = Rc::new(work.labels());
                 }
                 let regions = Rc::make_mut(&mut layers.regions);
@@ -253,8 +281,8 @@ impl Session {
         }
         layers.penalty = Rc::new(with_paint(&layers.penalty, seen));
         let label = match work.method {
-            Method::CutFlow => "hide seams from the camera",
             Method::Cones => "hide cones and seams from the camera",
+            _ => "hide seams from the camera",
         };
         self.remember(label, "hide");
         self.put_layers("penalty", layers, Pending::Fields, events);
@@ -282,12 +310,16 @@ impl Session {
         }
         let before = work.settings.clone();
         let init = work.settings.text("init");
+        let is_phase_painted = work.settings.text("phase_start") == "painted";
         let wanted = match channel {
-            "region" => Some(("init", "painted")),
+            "region" => Some((start_parameter(work.method), "painted")),
             "seed" if !work.layers.seeds.is_empty() => Some(("init", "seeds")),
             // Nothing to start from is left; the cut that is there stays.
             _ if init == "seeds" && work.layers.seeds.is_empty() => Some(("init", "normals")),
             _ if init == "painted" && work.layers.regions.is_empty() => Some(("init", "normals")),
+            _ if is_phase_painted && work.layers.regions.is_empty() => {
+                Some(("phase_start", "axes"))
+            }
             "heat" => Some(("source", "heat")),
             _ => None,
         };
@@ -312,6 +344,9 @@ impl Session {
     pub(super) fn catch_up(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         if self.method() == Method::Cones {
             return self.cones_catch_up();
+        }
+        if self.is_segmenting() {
+            return self.segment_follow(events);
         }
         let Some(work) = &mut self.work else { return Ok(()) };
         match std::mem::take(&mut work.pending) {
@@ -344,7 +379,7 @@ impl Session {
     pub(super) fn presets(&self) -> Event {
         match self.method() {
             Method::CutFlow => presets::event(self.work.as_ref().map(|work| &work.settings)),
-            Method::Cones => Event::Presets { options: Vec::new(), current: None },
+            _ => Event::Presets { options: Vec::new(), current: None },
         }
     }
 
@@ -389,9 +424,15 @@ impl Layers {
             "unimportant" => &mut self.unimportant,
             "cone_cost" => &mut self.cone_cost,
             "excluded" => &mut self.excluded,
+            "seam_paint" => &mut self.seams,
             _ => &mut self.pin,
         }
     }
+}
+
+/// The parameter that says what a method starts from.
+fn start_parameter(method: Method) -> &'static str {
+    if method == Method::PhaseField { "phase_start" } else { "init" }
 }
 
 /// What is seen, and what was painted already: the larger of both.

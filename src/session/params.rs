@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use super::cones;
+use super::{cones, segmenting};
 use super::message::{ParamKind, Value};
 use super::specs::all_specs;
 use super::text::Problem;
@@ -34,6 +34,8 @@ pub enum Effect {
     Cones,
     /// The same cones are used another way.
     ConeSet,
+    /// A segmentation acts on it from the next step on.
+    Segments,
 }
 
 impl Settings {
@@ -178,6 +180,8 @@ impl Settings {
             "round" if self.text("choose_by") == "count" => Effect::Cones,
             "round" | "debias" | "seam_hiding" => Effect::ConeSet,
             id if cones::specs().iter().any(|spec| spec.id == id) => Effect::Cones,
+            id if segmenting::phase_specs().iter().any(|spec| spec.id == id) => Effect::Segments,
+            id if segmenting::develop_specs().iter().any(|spec| spec.id == id) => Effect::Segments,
             _ => Effect::NextStep,
         }))
     }

@@ -22,8 +22,9 @@ const COLOURS: usize = 9;
 pub const TEMPERATURE: &str = "temperature";
 
 /// Fields that are amounts of paint.
-const AMOUNTS: [&str; 7] =
-    ["penalty", "heat", "pin", "importance", "unimportant", "cone_cost", "excluded"];
+const AMOUNTS: [&str; 8] = [
+    "penalty", "heat", "pin", "importance", "unimportant", "cone_cost", "excluded", "seam_paint",
+];
 
 /// Bins of a field's histogram.
 const BINS: usize = 32;
@@ -45,6 +46,34 @@ pub fn fields(method: Method) -> Vec<Choice> {
             Choice::new("cone_cost", "Cost of cones"),
             Choice::new("excluded", "Places without cones"),
             Choice::new("penalty", "Hidden from seams"),
+        ];
+    }
+    if method == Method::PhaseField {
+        return vec![
+            Choice::new("pieces", "Pieces"),
+            Choice::new("phase", "Phase field u"),
+            Choice::new("weight", "Weight of the segment"),
+            Choice::new("yamabe", "Scale factor of the segments"),
+            Choice::new("u", "Scale factor u"),
+            Choice::new("curvature", "Curvature K"),
+            Choice::new("area", "Area distortion"),
+            Choice::new("angle", "Angle distortion"),
+            Choice::new("stretch", "Stretch"),
+            Choice::new("isometry", "Symmetric Dirichlet"),
+            Choice::new("regions", "Painted regions"),
+        ];
+    }
+    if method == Method::Developable {
+        return vec![
+            Choice::new("pieces", "Pieces"),
+            Choice::new("normal_error", "Distance from the chart’s normal"),
+            Choice::new("curvature", "Curvature K"),
+            Choice::new("area", "Area distortion"),
+            Choice::new("angle", "Angle distortion"),
+            Choice::new("stretch", "Stretch"),
+            Choice::new("isometry", "Symmetric Dirichlet"),
+            Choice::new("penalty", "Hidden from seams"),
+            Choice::new("seam_paint", "Painted seams"),
         ];
     }
     vec![
@@ -106,7 +135,7 @@ impl<'a> Painted<'a> {
 
     /// Fields without a sign; all others have zero in the middle of their colours.
     fn is_signed(&self) -> bool {
-        !["regions", "flux"].contains(&self.id) && !AMOUNTS.contains(&self.id)
+        !["regions", "flux", "weight", "normal_error"].contains(&self.id) && !AMOUNTS.contains(&self.id)
     }
 
     /// Whether each patch has values of its own: then points on cuts take those of their own side.
@@ -201,7 +230,8 @@ pub fn scene(
 
 /// What the legend calls a field.
 fn label_of(id: &str) -> String {
-    let mut all = [Method::CutFlow, Method::Cones].into_iter().flat_map(fields);
+    let mut all =
+        [Method::CutFlow, Method::Cones, Method::PhaseField, Method::Developable].into_iter().flat_map(fields);
     all.find(|f| f.id == id).map_or_else(String::new, |f| f.label)
 }
 

@@ -14,6 +14,9 @@ impl Session {
         if self.method() == Method::Cones {
             return self.cones_run(events);
         }
+        if self.is_segmenting() {
+            return self.segment_run(events);
+        }
         self.need_flow(events)?;
         self.unmark(events);
         if self.is_at_end() {
@@ -54,6 +57,9 @@ impl Session {
         if self.method() == Method::Cones {
             return self.cones_step(events);
         }
+        if self.is_segmenting() {
+            return self.segment_step(events);
+        }
         self.need_flow(events)?;
         self.unmark(events);
         self.is_running = false;
@@ -78,6 +84,9 @@ impl Session {
         self.is_running = false;
         if self.method() == Method::Cones {
             return self.cones_reset(events);
+        }
+        if self.is_segmenting() {
+            return self.segment_reset(events);
         }
         let Some(work) = &self.work else { return Err(nothing_open()) };
         let flow = work.new_flow(None)?;

@@ -3,7 +3,7 @@
 use super::message::{Choice, Condition, ParamKind, ParamSpec, Value};
 use super::method::Method;
 use super::size::{RANGE_MM, UNITS};
-use super::{charting, cones};
+use super::{charting, cones, segmenting};
 
 /// The group of unit and size, which the page shows in a panel of their own.
 const SIZE: &str = "Size";
@@ -79,12 +79,16 @@ pub fn specs_of(method: Method) -> Vec<ParamSpec> {
             charts.retain(|spec| spec.id != "outline");
             [cones::specs(), charts, size()].concat()
         }
+        Method::PhaseField => [segmenting::phase_specs(), finish(), charting::specs(), size()].concat(),
+        Method::Developable => {
+            [segmenting::develop_specs(), charting::specs(), size()].concat()
+        }
     }
 }
 
 /// The parameters of all methods, each once.
 pub fn all_specs() -> Vec<ParamSpec> {
-    [specs(), cones::specs()].concat()
+    [specs(), cones::specs(), segmenting::phase_specs(), segmenting::develop_specs()].concat()
 }
 
 pub(super) fn choice(

@@ -21,9 +21,7 @@ impl Session {
         self.redo.clear();
         // Moving one slider is one change, unless steps were made meanwhile.
         let is_same = |last: &Snapshot| {
-            last.kind == kind
-                && kind.starts_with("set ")
-                && last.history.len() == work.history.len()
+            last.kind == kind && kind.starts_with("set ") && last.step == work.step()
         };
         if self.undo.last().is_some_and(is_same) {
             return;
@@ -67,6 +65,8 @@ impl Session {
         work.method = target.method;
         work.cones.edits = target.edits;
         work.cones.is_stale = true;
+        work.phase.put_back(target.phase);
+        work.develop.put_back(target.develop);
         work.layers = target.layers;
         work.pending = target.pending;
         work.symmetries = target.symmetries;

@@ -1,5 +1,6 @@
 //! A document at work: its parameters, its cut, and what is made of both for tables, pictures and files.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::rc::Rc;
 
@@ -14,6 +15,10 @@ use super::method::Method;
 use super::params::Settings;
 use super::refining::Refinement;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
+use super::segmenting::{
+    Developable, DevelopCheckpoint, DevelopReport, PhaseCheckpoint, PhaseField, PhaseFieldReport,
+    SHOWN_FLAT,
+};
 use super::surface::Surface;
 use super::text::Problem;
 use super::{nothing_open, picture, size};
@@ -64,8 +69,12 @@ pub(super) struct Work {
     pub start: Option<Vec<Row>>,
     /// Optimal cones.
     pub cones: Cones,
-    /// What the other method shows, for coming back to it.
-    pub shelf: Option<Shelf>,
+    /// A phase field.
+    pub phase: PhaseField,
+    /// Developable patches.
+    pub develop: Developable,
+    /// What other methods show, for coming back to them.
+    pub shelf: BTreeMap<Method, Shelf>,
     pub revision: u32,
 }
 
@@ -85,12 +94,16 @@ pub(super) struct Snapshot {
     pub kind: String,
     pub document: Rc<Document>,
     pub method: Method,
+    /// Steps made then.
+    pub step: usize,
     pub settings: Settings,
     pub layers: Layers,
     pub edits: Edits,
     pub pending: Pending,
     pub symmetries: Option<Rc<Vec<Symmetry>>>,
     pub checkpoint: Option<Checkpoint>,
+    pub phase: Option<PhaseCheckpoint>,
+    pub develop: Option<DevelopCheckpoint>,
     pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
     pub start: Option<Vec<Row>>,
@@ -101,6 +114,9 @@ impl Work {
         match self.method {
             Method::CutFlow => self.flow.as_ref().map_or(0, CutFlow::steps),
             Method::Cones => self.cones.rounds,
+            Method::PhaseField | Method::Developable => {
+                self.segmentation().map_or(0, |segmentation| segmentation.steps())
+            }
         }
     }
 
@@ -116,9 +132,10 @@ impl Work {
             is_settled: std::mem::take(&mut self.is_settled) && !is_unfinished,
             start: self.start.take(),
         };
+        self.shelf.insert(self.method, shelf);
         self.method = method;
         self.fold = None;
-        let other = self.shelf.replace(shelf)?;
+        let other = self.shelf.remove(&method)?;
         self.layout = other.layout;
         self.is_settled = other.is_settled;
         self.start = other.start;
@@ -126,10 +143,11 @@ impl Work {
     }
 
     pub fn labels(&self) -> Vec<u32> {
-        match (&self.flow, self.method) {
-            (Some(flow), Method::CutFlow) => flow.state().labels().to_vec(),
-            _ => vec![0; self.vertex_count()],
-        }
+        let labels = match (&self.flow, self.method) {
+            (Some(flow), Method::CutFlow) => Some(flow.state().labels().to_vec()),
+            _ => self.segmentation().and_then(|segmentation| segmentation.labels()),
+        };
+        labels.unwrap_or_else(|| vec![0; self.vertex_count()])
     }
 
     pub fn u(&self) -> Vec<f64> {
@@ -179,19 +197,34 @@ impl Work {
     }
 
     /// The current cut on the surface as it was given; none at all without a flow.
-    fn cut_mesh(&self, surface: &Surface) -> CutMesh {
-        match &self.flow {
+    fn cut_mesh(&self, surface: &Surface) -> Result<CutMesh, Problem> {
+        if let Some(segmentation) = self.segmentation() {
+            let cut = segmentation.cut(surface)?;
+            return Ok(cut.unwrap_or_else(|| CutMesh::uncut(&surface.mesh)));
+        }
+        Ok(match &self.flow {
             None => CutMesh::uncut(&surface.mesh),
             Some(flow) if surface.solving.is_some() => {
                 flow.cut_mesh_on(&surface.mesh, &surface.geometry)
             }
             Some(flow) => flow.cut_mesh(),
+        })
+    }
+
+    /// Whether there is a cut to show.
+    pub fn has_cut(&self) -> bool {
+        match self.segmentation() {
+            Some(segmentation) => segmentation.status().is_some(),
+            None => self.method == Method::CutFlow && self.flow.is_some(),
         }
     }
 
     /// J and its terms at every step so far.
-    pub fn energy_curve(&self) -> impl Iterator<Item = Event> + '_ {
-        self.history.iter().map(energy_event)
+    pub fn energy_curve(&self) -> Vec<Event> {
+        match self.segmentation() {
+            Some(segmentation) => segmentation.curve().to_vec(),
+            None => self.history.iter().map(energy_event).collect(),
+        }
     }
 
     pub fn snapshot(&self, label: &str, kind: &str) -> Snapshot {
@@ -200,12 +233,15 @@ impl Work {
             kind: kind.to_owned(),
             document: self.document.clone(),
             method: self.method,
+            step: self.step(),
             settings: self.settings.clone(),
             layers: self.layers.clone(),
             edits: self.cones.edits.clone(),
             pending: self.pending,
             symmetries: self.symmetries.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
+            phase: self.phase.checkpoint(),
+            develop: self.develop.checkpoint(),
             first_cut_is_due: self.first_cut_is_due,
             history: self.history.clone(),
             start: self.start.clone(),
@@ -232,7 +268,9 @@ impl Work {
             first_cut_is_due: false,
             start: None,
             cones: Cones::default(),
-            shelf: None,
+            phase: PhaseField::default(),
+            develop: Developable::default(),
+            shelf: BTreeMap::new(),
             revision: 0,
         }
     }
@@ -258,6 +296,15 @@ impl Work {
         let surface = self.document.surface()?;
         let wrong = |error| Problem::solve(&surface.name, &error);
         let packing = self.layout.as_ref().map(|l| &l.packing);
+        if self.segmentation().is_some() {
+            let cut = self.cut_mesh(surface)?;
+            let by = FlattenBy::Bff;
+            let charting = Charting { by, splits: false, ..Charting::default() };
+            let layout = Layout::sketch(surface, cut, &charting, SHOWN_FLAT, packing)
+                .map_err(|error| error.problem(&surface.name))?;
+            self.put_layout(layout);
+            return Ok(());
+        }
         // The flow's factor belongs to the triangles that it solves on.
         if let Some(flow) = self.flow.as_mut().filter(|_| surface.solving.is_none()) {
             let cut = flow.cut_mesh();
@@ -271,7 +318,7 @@ impl Work {
         // Nothing is repaired while the cut moves: that would be another cut.
         let by = FlattenBy::Bff;
         let charting = Charting { by, splits: false, ..Charting::default() };
-        let layout = Layout::full(surface, self.cut_mesh(surface), &charting, packing)
+        let layout = Layout::full(surface, self.cut_mesh(surface)?, &charting, packing)
             .map_err(|error| error.problem(&surface.name))?;
         self.put_layout(layout);
         Ok(())
@@ -301,14 +348,17 @@ impl Work {
         if let Some(flow) = &mut self.flow {
             flow.rest();
         }
+        let cut = self.cut_mesh(surface)?;
         let packing = self.layout.take().map(|layout| layout.packing);
+        // Patches of triangles end at edges of the mesh as it is.
+        let is_free = self.method != Method::Developable;
         let finish = Finish {
-            straighten: self.settings.is_on("straighten"),
-            snap: self.settings.is_on("snap"),
+            straighten: is_free && self.settings.is_on("straighten"),
+            snap: is_free && self.settings.is_on("snap"),
             pins: &self.layers.pin,
             charting: Charting::of(&self.settings),
         };
-        let layout = Layout::finished(surface, self.cut_mesh(surface), &finish, packing.as_ref())
+        let layout = Layout::finished(surface, cut, &finish, packing.as_ref())
             .map_err(|error| error.problem(&surface.name))?;
         self.put_layout(layout);
         self.is_settled = true;
@@ -355,6 +405,9 @@ impl Work {
             let energy = flow.state().energy();
             rows.push(row("dirichlet", "Dirichlet ∫|∇u|²", "", energy.dirichlet));
             rows.push(row("hencky", "Hencky ∫u²", "", energy.hencky));
+        }
+        if let Some(segmentation) = self.segmentation() {
+            rows.extend(segmentation.rows());
         }
         if let Some(flow) = flow.filter(|flow| flow.params().schedule.is_some()) {
             rows.push(row("alpha", "Length weight α now", "/√A", flow.weights().length));
@@ -525,12 +578,21 @@ impl Work {
                     cut: Option<CutReport>,
                     #[serde(skip_serializing_if = "Option::is_none")]
                     cones: Option<ConesReport>,
+                    #[serde(skip_serializing_if = "Option::is_none")]
+                    phasefield: Option<PhaseFieldReport>,
+                    #[serde(skip_serializing_if = "Option::is_none")]
+                    develop: Option<DevelopReport>,
                 }
-                let (cut, cones) = match self.method {
-                    Method::CutFlow => (Some(self.cut_report(None)?), None),
-                    Method::Cones => (None, Some(self.cones_report(None)?)),
-                };
-                let bytes = self.json(&Whole { info: InfoReport::new(document), cut, cones })?;
+                let info = InfoReport::new(document);
+                let mut whole =
+                    Whole { info, cut: None, cones: None, phasefield: None, develop: None };
+                match self.method {
+                    Method::CutFlow => whole.cut = Some(self.cut_report(None)?),
+                    Method::Cones => whole.cones = Some(self.cones_report(None)?),
+                    Method::PhaseField => whole.phasefield = Some(self.phase_report(None)?),
+                    Method::Developable => whole.develop = Some(self.develop_report(None)?),
+                }
+                let bytes = self.json(&whole)?;
                 Ok(file("report.json", "application/json", bytes))
             }
             _ => Err(Problem::new(
