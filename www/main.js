@@ -28,6 +28,8 @@ import { symmetryPanel } from "./panels/symmetry.js";
 import { textureTool } from "./panels/texture.js";
 import { theme } from "./panels/theme.js";
 import { methodTabs, sheetTabs } from "./panels/tabs.js";
+import { growthPanel } from "./panels/growth.js";
+import { segmentsPanel } from "./panels/segments.js";
 import { foldTool, viewTools } from "./panels/tools.js";
 import { waiting } from "./panels/waiting.js";
 import { measure, patternIn, percent, plural } from "./format.js";
@@ -50,6 +52,22 @@ const WORDS = {
     empty: "unsolved",
     hide: ["Hide cones from here", "Hide cones from here: they shall cost more wherever this view sees them"],
     hidden: ["cone_cost", "Cones now cost more where this view sees them: the cost that is shown."],
+  },
+  phasefield: {
+    label: "Phase field",
+    learn: "How a surface is divided by a phase field",
+    sheet: { energy: "Energy", pieces: "Pieces" },
+    empty: "uncut",
+    hide: ["Hide seams from here", "Hide seams from here"],
+    hidden: ["none", ""],
+  },
+  developable: {
+    label: "Developable patches",
+    learn: "How patches grow that nearly lie flat",
+    sheet: { energy: "Seam", pieces: "Pieces" },
+    empty: "uncut",
+    hide: ["Hide seams from here", "Hide seams from here: seams shall cost more wherever this view sees them"],
+    hidden: ["penalty", "Seams now cost more where this view sees them. Reset and Run find others."],
   },
 };
 /** Why what needs a cut cannot be had. */
@@ -116,7 +134,15 @@ const cones = coneMethod({
   },
   facts: (text) => status.figures(text),
 });
-const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), { Symmetry: symmetry.node, Sparsity: cones.foot }, { lambda: cones.path });
+const segments = segmentsPanel({
+  async select(node) {
+    await client.command({ type: "select_segment", node });
+    showField("weight");
+  },
+});
+const growth = growthPanel();
+const feet = { Symmetry: symmetry.node, Sparsity: cones.foot, Segments: segments.node, "Flat pieces": growth.node };
+const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), feet, { lambda: cones.path });
 // While a slider is held, the engine keeps itself free for its next move.
 byId("settings").addEventListener("pointerdown", ({ target }) => {
   if (!target.matches("input[type=range]")) return;
@@ -236,6 +262,8 @@ const handlers = {
     meshPanel.show(event);
     plot.clear();
     cones.clear();
+    segments.clear();
+    growth.clear();
     status.clear();
     error.hideRefusal();
     for (const id of ["export", "share"]) byId(id).disabled = false;
@@ -275,6 +303,14 @@ const handlers = {
     fold.show(event);
     if (event.is_on) brush.put();
     allow();
+  },
+  segments(event) {
+    segments.show(event);
+    parameters.summarise();
+  },
+  patches(event) {
+    growth.show(event);
+    parameters.summarise();
   },
   stages(event) {
     now.stages = event;
@@ -690,9 +726,7 @@ async function begin() {
   const opened = await openSample(isKnown ? wanted : FIRST_SAMPLE);
   if (!opened) return;
   if (asked.method !== now.method) {
-    const isThere = byId(`tab-${asked.method}`)?.hasAttribute("aria-disabled") === false;
-    if (isThere) await chooseMethod(asked.method);
-    else tabs.refuse(asked.method);
+    if (tabs.has(asked.method)) await chooseMethod(asked.method);
   }
   for (const spec of parameters.specs()) {
     const value = spec.id in asked.values ? valueFor(spec, asked.values[spec.id]) : undefined;

@@ -136,8 +136,19 @@ pub enum Command {
         /// `cutflow`, `cones`, `phasefield` or `developable`.
         id: String,
     },
+    /// Shows a segment of the hierarchy.
+    SelectSegment {
+        /// Its number.
+        node: usize,
+    },
+    /// What is to become of the seam between two pieces of developable patches.
+    Sew {
+        /// The pieces.
+        patches: [usize; 2],
+        /// Whether they are to be one; otherwise they are to stay two.
+        joins: bool,
+    },
     /// Puts a cone where a person wants one.
-    AddCone {
         /// The face of the mesh there.
         face: u32,
         /// The place in the scene.
@@ -351,6 +362,10 @@ pub enum Event {
         /// The optimum first.
         rows: Vec<ConeComparisonRow>,
     },
+    /// The hierarchy of a phase field.
+    Segments(SegmentTree),
+    /// How developable patches come about.
+    Patches(DevelopTable),
     /// A new scene is there.
     Scene,
 }
