@@ -192,6 +192,13 @@ fn bring(session: &mut Session, args: &ConesArgs) -> Result<(), Problem> {
     Ok(())
 }
 
+impl ConesArgs {
+    /// Where the report goes.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+}
+
 pub fn run(args: &ConesArgs) -> Result<(), Problem> {
     let mut session = Session::new();
     let document = open(&args.mesh)?;
@@ -224,15 +231,8 @@ pub fn run(args: &ConesArgs) -> Result<(), Problem> {
     }
     warn_of_charts(session.layout()?);
     if let Some(folder) = &args.output {
-        for (kind, name) in [
-            ("Cones (JSON)", "cones.json"),
-            ("Cut (JSON)", "cut.json"),
-            ("UV mesh (OBJ)", "uv.obj"),
-            ("Cut curves (OBJ)", "cut.obj"),
-            ("Pattern (SVG)", "pattern.svg"),
-        ] {
-            write(&folder.join(name), &session.export(kind)?.bytes)?;
-        }
+        write(&folder.join("cones.json"), &session.export("Cones (JSON)")?.bytes)?;
+        write_cut(&mut session, folder)?;
     }
     write_json(&args.report, &report)
 }

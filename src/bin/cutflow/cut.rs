@@ -298,6 +298,8 @@ pub fn asks_for_parameters(words: &[String]) -> Option<Method> {
     let method = match words.first()?.as_str() {
         "cut" => Method::CutFlow,
         "cones" => Method::Cones,
+        "phasefield" => Method::PhaseField,
+        "develop" => Method::Developable,
         _ => return None,
     };
     let is_asked = words.iter().any(|word| word == "--set=help")
@@ -312,6 +314,13 @@ fn unknown_start(init: &str) -> Problem {
         "--init.",
         format!("Choose one of {}; or give the cut.json of another run.", INITS.join(", ")),
     )
+}
+
+impl CutArgs {
+    /// Where the report goes.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
 }
 
 pub fn run(args: &CutArgs) -> Result<(), Problem> {
@@ -375,14 +384,7 @@ pub fn run(args: &CutArgs) -> Result<(), Problem> {
     }
     warn_of_charts(session.layout()?);
     if let Some(folder) = &args.output {
-        for (kind, name) in [
-            ("Cut (JSON)", "cut.json"),
-            ("UV mesh (OBJ)", "uv.obj"),
-            ("Cut curves (OBJ)", "cut.obj"),
-            ("Pattern (SVG)", "pattern.svg"),
-        ] {
-            write(&folder.join(name), &session.export(kind)?.bytes)?;
-        }
+        write_cut(&mut session, folder)?;
     }
     if args.fold {
         report.fold = Some(fold(&mut session, args, is_quiet)?);

@@ -20,6 +20,7 @@ macro_rules! say {
 
 mod cones;
 mod cut;
+mod segment;
 
 /// Computes where to cut a curved surface so that its pieces flatten with little distortion.
 #[derive(Parser)]
@@ -57,6 +58,10 @@ enum Task {
     Cut(Box<cut::CutArgs>),
     /// Finds the cones that lower the distortion most for their angle, joins them by seams and flattens.
     Cones(Box<cones::ConesArgs>),
+    /// Divides a surface in two again and again by phase fields.
+    Phasefield(Box<segment::PhaseFieldArgs>),
+    /// Parts a surface into few pieces that nearly lie flat.
+    Develop(Box<segment::DevelopArgs>),
     /// Flattens a mesh along a cut and measures the result.
     Flatten(FlattenArgs),
 }
@@ -188,22 +193,73 @@ fn main() -> ExitCode {
         cut::list_parameters(method);
         return ExitCode::SUCCESS;
     }
-    let result = match Cli::parse().command {
+    let task = match Cli::try_parse() {
+        Ok(cli) => cli.command,
+        // Help and version are answers.
+        Err(answer) if !answer.use_stderr() => answer.exit(),
+        Err(error) => return fail(&misunderstood(&error)),
+    };
+    if let Err(problem) = can_write(&task) {
+        return fail(&problem);
+    }
+    let result = match task {
         Task::Info { mesh, report } => info(&mesh, &report),
         Task::Repair { mesh, only, output, report } => repair(&mesh, &only, &output, &report),
         Task::Prepare(args) => prepare(&args),
         Task::Cut(args) => cut::run(&args),
         Task::Cones(args) => cones::run(&args),
+        Task::Phasefield(args) => segment::phasefield(&args),
+        Task::Develop(args) => segment::develop(&args),
         Task::Flatten(args) => flatten(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(problem) => {
-            let Problem { what, place, what_to_do } = problem;
-            eprintln!("error: {what}\nwhere: {place}\nwhat to do: {what_to_do}");
-            ExitCode::FAILURE
+        Err(problem) => fail(&problem),
+    }
+}
+
+fn fail(Problem { what, place, what_to_do }: &Problem) -> ExitCode {
+    eprintln!("error: {what}\nwhere: {place}\nwhat to do: {what_to_do}");
+    ExitCode::FAILURE
+}
+
+/// A command line that says nothing that can be done.
+fn misunderstood(error: &clap::Error) -> Problem {
+    let text = error.to_string();
+    let mut paragraphs = text.split("\n\n").map(str::trim).filter(|part| !part.is_empty());
+    let what = paragraphs.next().unwrap_or_default();
+    let rest: Vec<&str> = paragraphs.filter(|part| !part.starts_with("For more")).collect();
+    Problem::new(
+        what.strip_prefix("error: ").unwrap_or(what),
+        "On the command line.",
+        format!("{}\nAdd --help for all options.", rest.join("\n")).trim_start(),
+    )
+}
+
+/// Whether there is a place for what a task writes: found out before the work is done.
+fn can_write(task: &Task) -> Result<(), Problem> {
+    let (output, report) = match task {
+        Task::Info { report, .. } => (None, report),
+        Task::Repair { output, report, .. } => (Some(output), report),
+        Task::Prepare(args) => (Some(&args.output), &args.report),
+        Task::Flatten(args) => (Some(&args.output), &args.report),
+        Task::Cut(args) => (None, args.report()),
+        Task::Cones(args) => (None, args.report()),
+        Task::Phasefield(args) => (None, args.report()),
+        Task::Develop(args) => (None, args.report()),
+    };
+    let report = report.json.as_ref().filter(|path| path.as_path() != Path::new("-"));
+    for path in output.into_iter().chain(report) {
+        let folder = path.parent().filter(|folder| *folder != Path::new(""));
+        if folder.is_some_and(|folder| !folder.is_dir()) {
+            return Err(Problem::new(
+                "There is no such folder.",
+                path.display().to_string(),
+                "Make it first, or choose another place.",
+            ));
         }
     }
+    Ok(())
 }
 
 fn info(mesh: &MeshArgs, report: &Report) -> Result<(), Problem> {
@@ -281,6 +337,19 @@ fn prepare(args: &PrepareArgs) -> Result<(), Problem> {
         tell(session.advance(&mut || true))?;
     }
     finish(&mut session, &args.mesh.mesh, &args.output, &args.report)
+}
+
+/// Writes what every cut has.
+fn write_cut(session: &mut Session, folder: &Path) -> Result<(), Problem> {
+    for (kind, name) in [
+        ("Cut (JSON)", "cut.json"),
+        ("UV mesh (OBJ)", "uv.obj"),
+        ("Cut curves (OBJ)", "cut.obj"),
+        ("Pattern (SVG)", "pattern.svg"),
+    ] {
+        write(&folder.join(name), &session.export(kind)?.bytes)?;
+    }
+    Ok(())
 }
 
 /// Writes the mesh that a session holds, and says what it is.
