@@ -193,9 +193,9 @@ fn bring(session: &mut Session, args: &ConesArgs) -> Result<(), Problem> {
 }
 
 impl ConesArgs {
-    /// Where the report goes.
-    pub fn report(&self) -> &Report {
-        &self.report
+    /// The folder that is made for results, and where the report goes.
+    pub fn outputs(&self) -> (Option<&Path>, &Report) {
+        (self.output.as_deref(), &self.report)
     }
 }
 

@@ -317,9 +317,9 @@ fn unknown_start(init: &str) -> Problem {
 }
 
 impl CutArgs {
-    /// Where the report goes.
-    pub fn report(&self) -> &Report {
-        &self.report
+    /// The folder that is made for results, and where the report goes.
+    pub fn outputs(&self) -> (Option<&Path>, &Report) {
+        (self.output.as_deref(), &self.report)
     }
 }
 

@@ -238,20 +238,20 @@ fn misunderstood(error: &clap::Error) -> Problem {
 
 /// Whether there is a place for what a task writes: found out before the work is done.
 fn can_write(task: &Task) -> Result<(), Problem> {
-    let (output, report) = match task {
-        Task::Info { report, .. } => (None, report),
-        Task::Repair { output, report, .. } => (Some(output), report),
-        Task::Prepare(args) => (Some(&args.output), &args.report),
-        Task::Flatten(args) => (Some(&args.output), &args.report),
-        Task::Cut(args) => (None, args.report()),
-        Task::Cones(args) => (None, args.report()),
-        Task::Phasefield(args) => (None, args.report()),
-        Task::Develop(args) => (None, args.report()),
+    let (output, (new_folder, report)) = match task {
+        Task::Info { report, .. } => (None, (None, report)),
+        Task::Repair { output, report, .. } => (Some(output.as_path()), (None, report)),
+        Task::Prepare(args) => (Some(args.output.as_path()), (None, &args.report)),
+        Task::Flatten(args) => (Some(args.output.as_path()), (None, &args.report)),
+        Task::Cut(args) => (None, args.outputs()),
+        Task::Cones(args) => (None, args.outputs()),
+        Task::Phasefield(args) => (None, args.outputs()),
+        Task::Develop(args) => (None, args.outputs()),
     };
-    let report = report.json.as_ref().filter(|path| path.as_path() != Path::new("-"));
+    let report = report.json.as_deref().filter(|path| *path != Path::new("-"));
     for path in output.into_iter().chain(report) {
         let folder = path.parent().filter(|folder| *folder != Path::new(""));
-        if folder.is_some_and(|folder| !folder.is_dir()) {
+        if folder.is_some_and(|folder| !folder.is_dir() && Some(folder) != new_folder) {
             return Err(Problem::new(
                 "There is no such folder.",
                 path.display().to_string(),

@@ -1,6 +1,6 @@
 //! `cutflow phasefield` and `cutflow develop`: segmentations from a terminal.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cutflow::session::{
@@ -105,16 +105,16 @@ pub struct DevelopArgs {
 }
 
 impl PhaseFieldArgs {
-    /// Where the report goes.
-    pub fn report(&self) -> &Report {
-        &self.common.report
+    /// The folder that is made for results, and where the report goes.
+    pub fn outputs(&self) -> (Option<&Path>, &Report) {
+        (self.common.output.as_deref(), &self.common.report)
     }
 }
 
 impl DevelopArgs {
-    /// Where the report goes.
-    pub fn report(&self) -> &Report {
-        &self.common.report
+    /// The folder that is made for results, and where the report goes.
+    pub fn outputs(&self) -> (Option<&Path>, &Report) {
+        (self.common.output.as_deref(), &self.common.report)
     }
 }
 
