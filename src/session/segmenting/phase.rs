@@ -1,0 +1,448 @@
+//! A phase field at work: the flow on the open surface, and what is told of it.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::f64::consts::SQRT_2;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::super::message::{Event, NoticeText, Row, Term};
+use super::super::report::FlattenReport;
+use super::super::surface::Surface;
+use super::super::text::{Problem, plural};
+use super::super::work::Work;
+use super::report::{not_divided, status_word};
+use super::tree::{Segment, SegmentTree, colour};
+use super::{Inputs, PhaseFieldReport, Segmentation, row};
+use crate::mesh::CutMesh;
+use crate::methods::cutflow::Initial;
+use crate::methods::flow::{Flow, Status};
+use crate::methods::phasefield::{
+    PhaseFieldCheckpoint, PhaseFieldFlow, PhaseFieldParams, PhaseMeasures, Screening, Start,
+    epsilon_floor, length_scale,
+};
+
+/// The widest interface.
+const WIDEST: f64 = 0.5;
+
+/// A phase field of a document. Nothing is computed before the method is chosen.
+#[derive(Default)]
+pub struct PhaseField {
+    flow: Option<PhaseFieldFlow>,
+    /// Where to go on from, once there is time.
+    saved: Option<PhaseCheckpoint>,
+    curve: Vec<Event>,
+    /// The segment that is shown; without one the one that is divided, or the whole.
+    selected: Option<usize>,
+    /// Of the splits that are done.
+    measures: BTreeMap<usize, PhaseMeasures>,
+    /// The last checkpoint, by the steps and options of then.
+    kept: RefCell<Option<PhaseCheckpoint>>,
+}
+
+/// What Undo goes back to.
+#[derive(Clone)]
+pub struct PhaseCheckpoint {
+    flow: Rc<PhaseFieldCheckpoint>,
+    params: PhaseFieldParams,
+    steps: usize,
+    curve: Rc<Vec<Event>>,
+}
+
+impl PhaseField {
+    /// What is needed to come back; the same one as long as nothing has changed.
+    pub fn checkpoint(&self) -> Option<PhaseCheckpoint> {
+        let Some(flow) = &self.flow else { return self.saved.clone() };
+        let mut kept = self.kept.borrow_mut();
+        let is_same =
+            |c: &&PhaseCheckpoint| c.steps == flow.steps() && c.params == *flow.params();
+        if kept.as_ref().filter(is_same).is_none() {
+            *kept = Some(PhaseCheckpoint {
+                flow: Rc::new(flow.checkpoint()),
+                params: flow.params().clone(),
+                steps: flow.steps(),
+                curve: Rc::new(self.curve.clone()),
+            });
+        }
+        kept.clone()
+    }
+
+    /// Where to go on from.
+    pub fn put_back(&mut self, checkpoint: Option<PhaseCheckpoint>) {
+        self.saved = checkpoint;
+    }
+
+    /// What of an earlier state of the same surface stays: what was looked at.
+    pub fn keep(&mut self, old: Self) {
+        self.selected = old.selected;
+    }
+
+    /// Shows a segment. **Gives** whether there is such a one.
+    pub fn select(&mut self, node: usize) -> bool {
+        let is_there = self.flow.as_ref().is_some_and(|flow| node < flow.state().tree().len());
+        if is_there {
+            self.selected = Some(node);
+        }
+        is_there
+    }
+
+    /// The leaves as the start of a cut flow.
+    pub fn cut_start(&self) -> Option<Initial> {
+        self.flow.as_ref().map(PhaseFieldFlow::cut_start)
+    }
+
+    /// Diffuse indicators of the leaves at the vertices: they add up to 1.
+    pub fn leaf_weights(&self) -> Option<Vec<Vec<f64>>> {
+        let flow = self.flow.as_ref()?;
+        Some(flow.state().leaf_weights().into_iter().map(<[f64]>::to_vec).collect())
+    }
+
+    /// The segment that is shown.
+    fn shown(&self) -> usize {
+        let Some(flow) = &self.flow else { return 0 };
+        let known = self.selected.filter(|&node| node < flow.state().tree().len());
+        known.or(flow.current().map(|(node, _)| node)).unwrap_or(0)
+    }
+
+    fn start(&mut self, flow: PhaseFieldFlow) {
+        self.curve = vec![first_point(&flow)];
+        self.measures.clear();
+        self.flow = Some(flow);
+    }
+
+    /// Measures what is done; everything at the end.
+    fn measure(&mut self, before: Option<usize>) -> Result<(), crate::methods::flow::SolveError> {
+        let Some(flow) = &self.flow else { return Ok(()) };
+        let now = flow.current().map(|(node, _)| node);
+        if now == before && now.is_some() {
+            return Ok(());
+        }
+        for (node, segment) in flow.state().tree().iter().enumerate() {
+            let is_due = now.is_none() || Some(node) == before;
+            if is_due && segment.children.is_some() && !self.measures.contains_key(&node) {
+                self.measures.insert(node, flow.measure(node)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// The hierarchy.
+    fn tree(&self) -> Option<SegmentTree> {
+        let flow = self.flow.as_ref()?;
+        let state = flow.state();
+        let (nodes, leaves) = (state.tree(), state.leaves());
+        let mut labels: Vec<String> = vec!["Whole".into()];
+        let total: f64 = flow.areas().iter().sum();
+        let mut list = Vec::with_capacity(nodes.len());
+        for (node, segment) in nodes.iter().enumerate() {
+            if let (Some(parent), true) = (segment.parent, node > 0) {
+                let side = nodes[parent].children.map_or(0, |c| usize::from(c[1] == node)) + 1;
+                let above = if parent == 0 { "" } else { &labels[parent] };
+                let dot = if parent == 0 { "" } else { "." };
+                labels.push(format!("{above}{dot}{side}"));
+            }
+            let weighed = segment.weight.iter().zip(flow.areas());
+            let area: f64 = weighed.map(|(w, a)| w * a).sum();
+            let of_parent = segment.parent.and_then(|parent| {
+                let side = usize::from(nodes[parent].children?[1] == node);
+                Some(self.measures.get(&parent)?.components[side])
+            });
+            let measures = self.measures.get(&node);
+            let leaf = leaves.iter().position(|&leaf| leaf == node);
+            list.push(Segment {
+                node,
+                parent: segment.parent,
+                level: segment.level,
+                label: labels[node].clone(),
+                is_leaf: leaf.is_some(),
+                color: leaf.map(colour),
+                area_fraction: area / total,
+                components: of_parent.unwrap_or(1),
+                length: measures.map(|m| m.length),
+                loss: measures.map(|m| m.sharp[0] + m.sharp[1]).filter(|x| x.is_finite()),
+            });
+        }
+        let active = flow.current().map(|(node, _)| node);
+        Some(SegmentTree { nodes: list, selected: self.shown(), active })
+    }
+
+    /// Sums over all splits of what was measured, lengths at area 4π: length and sharp loss.
+    fn sums(&self) -> (f64, f64) {
+        let each = self.measures.values();
+        each.fold((0.0, 0.0), |(length, loss), m| {
+            (length + m.length, loss + m.sharp[0] + m.sharp[1])
+        })
+    }
+
+    fn yamabe(&self) -> f64 {
+        let Some(flow) = &self.flow else { return 0.0 };
+        flow.state().tree().iter().map(|node| node.terms.yamabe).sum()
+    }
+}
+
+impl Segmentation for PhaseField {
+    fn prepare(&mut self, inputs: &Inputs) -> Result<bool, Problem> {
+        let surface = inputs.surface;
+        let wrong = |error| Problem::solve(&surface.name, &error);
+        let params = params(inputs);
+        if let Some(saved) = self.saved.take() {
+            let (mesh, geometry) = surface.solving_shared();
+            let flow = PhaseFieldFlow::resume(mesh, geometry, &saved.flow, saved.params.clone())
+                .map_err(wrong)?;
+            self.flow = Some(flow);
+            self.curve = saved.curve.to_vec();
+            self.measures.clear();
+            self.measure(None).map_err(wrong)?;
+            if let Some(flow) = &mut self.flow {
+                flow.set_params(params).map_err(wrong)?;
+            }
+            return Ok(true);
+        }
+        let is_same_start = |flow: &PhaseFieldFlow| {
+            flow.params().start == params.start && flow.params().seed == params.seed
+        };
+        match &mut self.flow {
+            Some(flow) if *flow.params() == params => Ok(false),
+            // Another start is another search.
+            Some(flow) if is_same_start(flow) => {
+                flow.set_params(params).map_err(wrong)?;
+                self.measures.clear();
+                if self.flow.as_ref().is_some_and(|flow| flow.steps() == 0) {
+                    // Nothing has run yet: the curve begins with what it would be now.
+                    self.curve = self.flow.iter().map(first_point).collect();
+                }
+                self.measure(None).map_err(wrong)?;
+                Ok(true)
+            }
+            _ => {
+                let (mesh, geometry) = surface.solving_shared();
+                let flow = PhaseFieldFlow::new(mesh, geometry, params).map_err(wrong)?;
+                self.start(flow);
+                Ok(true)
+            }
+        }
+    }
+
+    fn begin_again(&mut self) {
+        *self = Self::default();
+    }
+
+    fn step(&mut self, inputs: &Inputs) -> Result<(), Problem> {
+        let wrong = |error| Problem::solve(&inputs.surface.name, &error);
+        let Some(flow) = &mut self.flow else { return Ok(()) };
+        let before = flow.current().map(|(node, _)| node);
+        let report = flow.step().map_err(wrong)?;
+        self.curve.push(point(report.step, &report.energy));
+        self.measure(before).map_err(wrong)
+    }
+
+    fn steps(&self) -> usize {
+        self.flow.as_ref().map_or(0, PhaseFieldFlow::steps)
+    }
+
+    fn status(&self) -> Option<Status> {
+        self.flow.as_ref().map(PhaseFieldFlow::status)
+    }
+
+    fn doing(&self) -> String {
+        let (Some(flow), Some(tree)) = (&self.flow, self.tree()) else { return String::new() };
+        let Some((node, attempt)) = flow.current() else { return String::new() };
+        let starts = flow.params().starts;
+        let what = match &*tree.nodes[node].label {
+            "Whole" => "dividing the whole".to_owned(),
+            label => format!("dividing segment {label}"),
+        };
+        if starts > 1 { format!("{what}, start {} of {starts}", attempt + 1) } else { what }
+    }
+
+    fn labels(&self) -> Option<Vec<u32>> {
+        self.flow.as_ref().map(|flow| flow.state().labels())
+    }
+
+    fn cut(&self, surface: &Surface) -> Result<Option<CutMesh>, Problem> {
+        Ok(self.flow.as_ref().map(|flow| match surface.solving {
+            Some(_) => flow.cut_mesh_on(&surface.mesh, &surface.geometry),
+            None => flow.cut_mesh(),
+        }))
+    }
+
+    fn curve(&self) -> &[Event] {
+        &self.curve
+    }
+
+    fn rows(&self) -> Vec<Row> {
+        let Some(flow) = &self.flow else { return Vec::new() };
+        let state = flow.state();
+        let mut rows = vec![
+            row("segments", "Segments", "", state.leaves().len() as f64),
+            row("share", "First part", "%", 100.0 * state.tree()[0].terms.area_fraction),
+            row("interface", "Interface ∫ of the phase field", "√A", self.interface(flow)),
+        ];
+        if flow.params().omega > 0.0 {
+            rows.push(row("yamabe", "Diffuse distortion J", "", self.yamabe()));
+        }
+        if !self.measures.is_empty() {
+            let (length, loss) = self.sums();
+            rows.push(row("level_length", "Level-set length", "√A", length / self.scale()));
+            rows.push(row("sharp", "Sharp Hencky loss", "", loss));
+        }
+        rows
+    }
+
+    fn field(&self, id: &str) -> Option<Vec<f64>> {
+        let flow = self.flow.as_ref()?;
+        let nodes = flow.state().tree();
+        let node = &nodes[self.shown()];
+        match id {
+            "weight" => Some(node.weight.to_vec()),
+            "phase" => {
+                // A segment that is not divided is a side of its parent's field.
+                let divided = if node.children.is_some() { node } else { &nodes[node.parent?] };
+                let is_inside = divided.weight.iter().map(|w| *w > 1e-3);
+                let values = divided.u.iter().zip(is_inside);
+                Some(values.map(|(u, inside)| if inside { *u } else { f64::NAN }).collect())
+            }
+            _ => None,
+        }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let Some(flow) = &self.flow else { return Vec::new() };
+        let mut notes = Vec::new();
+        if let Some(small) = flow.epsilon_notice() {
+            notes.push(format!(
+                "The mesh is coarse for an interface of width {:.3}: {:.3} spans two of its edges. Raise ε, or remesh under Prepare.",
+                small.epsilon, small.floor
+            ));
+        }
+        let parts: usize = self.measures.values().flat_map(|m| m.components).sum();
+        let sides = 2 * self.measures.len();
+        if flow.status() != Status::Running && parts > sides {
+            notes.push(format!(
+                "Segments have {} more than there are segments: other starts, a smaller ω or connectedness may join them.",
+                plural(parts - sides, "part")
+            ));
+        }
+        notes
+    }
+
+    fn told(&self) -> Option<Event> {
+        self.tree().map(Event::Segments)
+    }
+}
+
+impl PhaseField {
+    /// Length at area 4π of a length of the surface.
+    fn scale(&self) -> f64 {
+        self.flow.as_ref().map_or(1.0, PhaseFieldFlow::length_scale)
+    }
+
+    /// P/√2, all splits.
+    fn interface(&self, flow: &PhaseFieldFlow) -> f64 {
+        let sum: f64 = flow.state().tree().iter().map(|node| node.terms.perimeter).sum();
+        sum / SQRT_2 / self.scale()
+    }
+}
+
+/// The options that parameters and paint ask for. ε spans two edges at least.
+fn params(inputs: &Inputs) -> PhaseFieldParams {
+    let Inputs { surface, settings, layers } = *inputs;
+    let (mesh, geometry) = surface.solving();
+    let whole = |id: &str| super::super::params::whole(settings.number(id));
+    let start = match settings.text("phase_start") {
+        "random" => Start::Random,
+        "normals" => Start::Normals,
+        "painted" if !layers.regions.is_empty() => {
+            let side = |v: usize| if layers.regions[v] == 0 { 1.0 } else { -1.0 };
+            Start::Values(Arc::new((0..mesh.vertex_count()).map(side).collect()))
+        }
+        _ => Start::Axes,
+    };
+    PhaseFieldParams {
+        epsilon: settings.number("epsilon").max(epsilon_floor(geometry)).min(WIDEST),
+        kappa: settings.number("kappa"),
+        omega: settings.number("omega"),
+        fraction: settings.number("fraction") / 100.0,
+        levels: whole("levels"),
+        starts: whole("starts"),
+        start,
+        is_connected: settings.is_on("connected"),
+        is_joint: settings.is_on("relax"),
+        screening: match settings.text("screening") {
+            "paper" => Screening::Paper,
+            _ => Screening::Sharp,
+        },
+        warm_up: whole("warm_up"),
+        seed: whole("phase_seed") as u64,
+        ..PhaseFieldParams::default()
+    }
+}
+
+/// The energy of the start.
+fn first_point(flow: &PhaseFieldFlow) -> Event {
+    let node = flow.current().map_or(0, |(node, _)| node);
+    let segment = &flow.state().tree()[node];
+    let (terms, omega) = (&segment.terms, flow.params().omega);
+    let energy = [
+        ("objective", segment.objective),
+        ("perimeter", terms.perimeter),
+        ("outside", terms.penalty),
+        ("connectedness", segment.objective - terms.perimeter - terms.penalty - omega * terms.yamabe),
+        ("distortion", omega * terms.yamabe),
+    ];
+    point(0, &energy)
+}
+
+/// A point of the plot.
+fn point(step: usize, energy: &[(&'static str, f64)]) -> Event {
+    let value = |id: &str| energy.iter().find(|(known, _)| *known == id).map_or(0.0, |(_, x)| *x);
+    let term = |name: &str, value: f64| Term { name: name.into(), value };
+    Event::Energy {
+        step,
+        total: value("objective"),
+        terms: vec![
+            term("Interface P", value("perimeter") + value("outside")),
+            term("Distortion ωJ", value("distortion")),
+            term("Connectedness", value("connectedness")),
+        ],
+    }
+}
+
+impl Work {
+    /// The report of `cutflow phasefield`.
+    pub(in super::super) fn phase_report(
+        &self,
+        seconds: Option<f64>,
+    ) -> Result<PhaseFieldReport, Problem> {
+        let phase = &self.phase;
+        let (Some(flow), Some(tree), Some(layout)) = (&phase.flow, phase.tree(), &self.layout)
+        else {
+            return Err(not_divided(self));
+        };
+        let (params, root) = (flow.params(), &flow.state().tree()[0]);
+        let leaves = tree.nodes.iter().filter(|segment| segment.is_leaf);
+        let history = phase.curve.iter().filter_map(|event| match event {
+            Event::Energy { step, total, .. } => Some([*step as f64, *total]),
+            _ => None,
+        });
+        let notes = phase.notes().into_iter().map(|text| NoticeText::new("phase_field", 1, text));
+        Ok(PhaseFieldReport {
+            vertices: self.document.summary.vertices,
+            faces: self.document.summary.faces,
+            epsilon: params.epsilon,
+            levels: params.levels,
+            omega: params.omega,
+            perimeter: phase.sums().0 / phase.scale(),
+            area_fraction: root.terms.area_fraction,
+            components: leaves.map(|segment| segment.components).sum(),
+            yamabe: phase.yamabe(),
+            steps: phase.steps(),
+            status: status_word(phase.status()),
+            segments: tree.nodes,
+            history: history.collect(),
+            flattening: FlattenReport::new(layout, None),
+            notices: self.notices(layout).into_iter().chain(notes).collect(),
+            seconds,
+        })
+    }
+}
