@@ -104,6 +104,14 @@ pub enum SolveError {
     /// Something about cones.
     #[error(transparent)]
     Cones(#[from] ConeError),
+    /// An interface too thin for the triangles: it would stick to them.
+    #[error("an interface of width {epsilon} is too thin for the mesh: {floor} and more fit its edges")]
+    EpsilonTooSmall {
+        /// What was asked for, at area 4π.
+        epsilon: f64,
+        /// Twice the mean edge length, at area 4π.
+        floor: f64,
+    },
     /// The iteration left the range of numbers.
     #[error("the energy is not finite")]
     NotFinite,

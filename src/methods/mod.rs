@@ -6,5 +6,6 @@ pub mod cones;
 pub mod cutflow;
 pub mod cutgraph;
 pub mod flow;
+pub mod phasefield;
 pub mod prepare;
 pub mod straighten;

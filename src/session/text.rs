@@ -189,6 +189,11 @@ impl Problem {
                 format!("{name}, cones."),
                 "Change the prescribed cones, the excluded region or the bounds.",
             ),
+            SolveError::EpsilonTooSmall { epsilon, floor } => Self::new(
+                format!("An interface of width {epsilon:.3} is too thin for the triangles."),
+                format!("{name}, interface width."),
+                format!("Choose {floor:.3} or more, or remesh the surface with shorter edges."),
+            ),
             SolveError::NotFinite => Self::new(
                 "The energy of the cut is not a finite number.",
                 format!("{name}."),

@@ -27,6 +27,7 @@ mod mutation;
 mod opening;
 mod paper;
 mod patterns;
+mod phasefield;
 mod preparing;
 mod reading;
 mod reading_obj;

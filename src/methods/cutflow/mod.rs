@@ -19,7 +19,7 @@
 
 mod band;
 mod coarse;
-mod cut;
+pub(super) mod cut;
 mod energy;
 mod init;
 mod memory;
@@ -41,6 +41,7 @@ use metric::dot;
 use probe::{Probe, SavedProbe};
 use symmetric::Symmetric;
 
+pub(super) use init::uniform;
 pub use init::{Initial, Start, initial_labels};
 pub use paper::Stages;
 pub use params::{CutFlowParams, Schedule, Scheme, Topology};

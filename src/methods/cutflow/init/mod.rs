@@ -25,6 +25,7 @@ use crate::mesh::{Mesh, VertexId};
 use crate::methods::flow::SolveError;
 
 pub(super) use noise::smooth_noise;
+pub(in crate::methods) use noise::uniform;
 
 /// Where a run starts. Places and lengths are those of the unit-area geometry.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,16 @@ pub enum Initial {
     Levels(Vec<f64>),
     /// One label for each vertex.
     Labels(Vec<u32>),
+    /// One label for each vertex, and where they meet: for each vertex levels of the labels nearby, negative for its own, as
+    /// distances, `entries[starts[v]..starts[v + 1]]`. What another method has found.
+    LabelLevels {
+        /// One label for each vertex.
+        labels: Vec<u32>,
+        /// Where each vertex's entries begin, and the end of all.
+        starts: Vec<u32>,
+        /// Labels with their levels.
+        entries: Vec<(u32, f64)>,
+    },
     /// Bands of equal area between level sets of smoothed mean curvature, labelled from hollow to convex; two of them are
     /// parted by the median. Pieces below 0.2 % of the area join the band around them.
     CurvatureLevels {
@@ -194,6 +205,19 @@ pub fn initial_labels(
                 return Err(too_small(name, labels.len() as f64, mesh.vertex_count() as f64));
             }
             Start::new(labels.clone(), Levels::Middle)
+        }
+        Initial::LabelLevels { labels, starts, entries } => {
+            let (count, vertices) = (labels.len() as f64, mesh.vertex_count());
+            let is_ordered = starts.len() == vertices + 1
+                && starts.windows(2).all(|s| s[0] <= s[1])
+                && starts[vertices] as usize <= entries.len();
+            if labels.len() != vertices || !is_ordered {
+                return Err(too_small("number of labels with levels", count, vertices as f64));
+            }
+            if !entries.iter().all(|e| e.1.is_finite()) {
+                return Err(too_small("level", f64::NAN, f64::MIN));
+            }
+            Start::of_entries(labels.clone(), starts.clone(), entries.clone())
         }
         Initial::CurvatureLevels { regions } => {
             cuts_something(mesh, curvature::curvature_levels(mesh, geometry, *regions)?)?

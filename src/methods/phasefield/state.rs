@@ -1,0 +1,183 @@
+//! The tree of segments.
+
+use std::sync::Arc;
+
+use super::objective::SplitTerms;
+use super::profile::indicator;
+use super::super::flow::Status;
+
+/// A segment, and how it is split if it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PhaseNode {
+    /// The segment that it is a side of; the whole surface has none.
+    pub parent: Option<usize>,
+    /// Its sides {u > 0} and {u < 0}, if it is split.
+    pub children: Option<[usize; 2]>,
+    /// Number of splits above it.
+    pub level: usize,
+    /// The phase field that splits it, one value for each vertex; empty if it is not split.
+    pub u: Arc<Vec<f64>>,
+    /// Its diffuse indicator χ^α at each vertex.
+    pub weight: Arc<Vec<f64>>,
+    /// The terms of its split.
+    pub terms: SplitTerms,
+    /// The objective of its split.
+    pub objective: f64,
+    /// The objective after every iteration of the best start.
+    pub history: Vec<f64>,
+    /// How the search for its split ended, or `Running`.
+    pub status: Status,
+    /// Whether its split is done.
+    pub(super) is_settled: bool,
+}
+
+/// All segments.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PhaseFieldState {
+    pub(super) nodes: Vec<PhaseNode>,
+}
+
+impl PhaseNode {
+    fn leaf(parent: Option<usize>, level: usize, weight: Vec<f64>) -> Self {
+        Self {
+            parent,
+            children: None,
+            level,
+            u: Arc::default(),
+            weight: Arc::new(weight),
+            terms: SplitTerms::default(),
+            objective: 0.0,
+            history: Vec::new(),
+            status: Status::Running,
+            is_settled: false,
+        }
+    }
+}
+
+impl PhaseFieldState {
+    /// The whole surface, unsplit.
+    pub(super) fn whole(vertices: usize) -> Self {
+        Self { nodes: vec![PhaseNode::leaf(None, 0, vec![1.0; vertices])] }
+    }
+
+    /// Segments, parents before their sides; the first is the whole surface.
+    pub fn tree(&self) -> &[PhaseNode] {
+        &self.nodes
+    }
+
+    /// The segments that are not split, in the order of a walk through the tree, positive sides first: a segment's place is its label.
+    pub fn leaves(&self) -> Vec<usize> {
+        let (mut leaves, mut stack) = (Vec::new(), vec![0]);
+        while let Some(node) = stack.pop() {
+            match self.nodes[node].children {
+                Some([positive, negative]) => stack.extend([negative, positive]),
+                None => leaves.push(node),
+            }
+        }
+        leaves
+    }
+
+    /// Diffuse indicators of the leaves: they add up to 1 at every vertex.
+    pub fn leaf_weights(&self) -> Vec<&[f64]> {
+        self.leaves().into_iter().map(|leaf| self.nodes[leaf].weight.as_slice()).collect()
+    }
+
+    /// For each vertex the leaf that it lies in by the signs of the fields, as its place among [`PhaseFieldState::leaves`].
+    pub fn labels(&self) -> Vec<u32> {
+        let mut label_of = vec![0; self.nodes.len()];
+        for (label, leaf) in (0u32..).zip(self.leaves()) {
+            label_of[leaf] = label;
+        }
+        (0..self.nodes[0].weight.len()).map(|v| label_of[self.leaf_of(v)]).collect()
+    }
+
+    fn leaf_of(&self, v: usize) -> usize {
+        let mut node = 0;
+        while let Some(children) = self.nodes[node].children {
+            node = children[usize::from(!self.is_positive(node, v))];
+        }
+        node
+    }
+
+    fn is_positive(&self, node: usize, v: usize) -> bool {
+        self.nodes[node].u[v] >= 0.0
+    }
+
+    /// For each vertex the side of a split that it lies in (0 positive, 1 negative), 2 outside of the segment.
+    pub(super) fn sides(&self, node: usize) -> Vec<u32> {
+        let mut path = Vec::new();
+        let mut below = node;
+        while let Some(parent) = self.nodes[below].parent {
+            let is_positive = self.nodes[parent].children.is_some_and(|c| c[0] == below);
+            path.push((parent, is_positive));
+            below = parent;
+        }
+        (0..self.nodes[0].weight.len())
+            .map(|v| {
+                if path.iter().any(|&(at, side)| self.is_positive(at, v) != side) {
+                    2
+                } else {
+                    u32::from(!self.is_positive(node, v))
+                }
+            })
+            .collect()
+    }
+
+    /// The split that puts two vertices on different sides, the first on their way down the tree.
+    pub(super) fn parting(&self, [a, b]: [usize; 2]) -> Option<usize> {
+        let mut node = 0;
+        while let Some(children) = self.nodes[node].children {
+            let side = self.is_positive(node, a);
+            if side != self.is_positive(node, b) {
+                return Some(node);
+            }
+            node = children[usize::from(!side)];
+        }
+        None
+    }
+
+    /// Where an edge between two leaves crosses from one to the other, from its first end.
+    pub(super) fn crossing(&self, [a, b]: [usize; 2]) -> Option<f64> {
+        let u = &self.nodes[self.parting([a, b])?].u;
+        Some(u[a] / (u[a] - u[b]))
+    }
+
+    /// Sets the field of a split; its sides are made if there are none.
+    pub(super) fn put(&mut self, node: usize, u: &[f64]) {
+        self.nodes[node].u = Arc::new(u.to_vec());
+        if self.nodes[node].children.is_none() {
+            let level = self.nodes[node].level + 1;
+            let first = self.nodes.len();
+            for _ in 0..2 {
+                self.nodes.push(PhaseNode::leaf(Some(node), level, Vec::new()));
+            }
+            self.nodes[node].children = Some([first, first + 1]);
+        }
+        self.weigh_below(node);
+    }
+
+    /// Computes the weights of everything below a split.
+    fn weigh_below(&mut self, node: usize) {
+        let mut stack = vec![node];
+        while let Some(node) = stack.pop() {
+            let Some(children) = self.nodes[node].children else { continue };
+            let (w, u) = (self.nodes[node].weight.clone(), self.nodes[node].u.clone());
+            let positive: Vec<f64> = w.iter().zip(&*u).map(|(w, &u)| w * indicator(u).0).collect();
+            let negative = w.iter().zip(&*u).map(|(w, &u)| w * indicator(-u).0).collect();
+            self.nodes[children[0]].weight = Arc::new(positive);
+            self.nodes[children[1]].weight = Arc::new(negative);
+            stack.extend(children);
+        }
+    }
+
+    /// Leaves no more than a number of levels of splits.
+    pub(super) fn prune(&mut self, levels: usize) {
+        // Parents come before their sides, and levels one after the other.
+        let keep = self.nodes.iter().position(|n| n.level > levels).unwrap_or(self.nodes.len());
+        self.nodes.truncate(keep);
+        for node in self.nodes.iter_mut().filter(|n| n.level == levels) {
+            let weight = std::mem::take(&mut node.weight);
+            *node = PhaseNode { weight, ..PhaseNode::leaf(node.parent, levels, Vec::new()) };
+        }
+    }
+}

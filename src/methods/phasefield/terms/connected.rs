@@ -1,0 +1,225 @@
+//! The price of a phase in several parts.
+//!
+//! C = 2 Σ_{p<q} d_pq W_p W_q over the connected parts of {u > e₁}, e₁ = 1 − √ε: W is a part's area, weighed by H(u), and d the length of the
+//! shortest path between two parts where a face costs F(u) = (u − e₁)² below e₁. The gradient widens those paths.
+//! **From** [PF] §3. **Differs**: H is a smooth step that is 0 where a part is born, so that C is continuous; parts are
+//! contracted and one Dijkstra tree for each serves all its pairs, by sums over subtrees.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "elements are numbered in 32 bits: `Mesh::new` refuses larger meshes"
+)]
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::super::domain::{Domain, NONE};
+use super::super::profile::smoothstep;
+
+/// Parts that are looked at in one evaluation, largest first: the others wait until these have grown together. Keeps an
+/// evaluation bounded when noise has hundreds.
+const MOST_PARTS: usize = 64;
+
+/// Above this, values are dear again: nothing is gained by u ≫ 1.
+const TOP: f64 = 1.5;
+
+/// Where a part begins.
+pub(in super::super) fn edge(epsilon: f64) -> f64 {
+    1.0 - epsilon.sqrt()
+}
+
+/// A face's price and its derivative.
+fn price(u: f64, e1: f64) -> (f64, f64) {
+    let d = if u < e1 {
+        u - e1
+    } else if u > TOP {
+        u - TOP
+    } else {
+        0.0
+    };
+    (d * d, 2.0 * d)
+}
+
+/// Parts of {u > e₁}: for each face its part or [`NONE`], and their number.
+pub(in super::super) fn parts(domain: &Domain, u_faces: &[f64], e1: f64) -> (Vec<u32>, usize) {
+    let mut part = vec![NONE; u_faces.len()];
+    let mut stack = Vec::new();
+    let mut count = 0;
+    for start in 0..u_faces.len() {
+        if part[start] != NONE || !(u_faces[start] > e1) {
+            continue;
+        }
+        part[start] = count;
+        stack.push(start);
+        while let Some(f) = stack.pop() {
+            for g in domain.neighbours[f] {
+                if g != NONE && part[g as usize] == NONE && u_faces[g as usize] > e1 {
+                    part[g as usize] = count;
+                    stack.push(g as usize);
+                }
+            }
+        }
+        count += 1;
+    }
+    (part, count as usize)
+}
+
+/// Shortest paths over faces from one part, in reused memory.
+struct Paths {
+    distances: Vec<f64>,
+    parents: Vec<u32>,
+    is_done: Vec<bool>,
+    order: Vec<u32>,
+    queue: BinaryHeap<Reverse<(u64, u32)>>,
+}
+
+/// C of one phase; adds its gradient, times `factor`, by the values and the weights of faces.
+///
+/// **Takes** the field at faces (its negative for the other phase) and the weights of faces in (0, 1]. **Costs** one pass over the faces where there is one part, else a Dijkstra tree for
+/// each part but the last.
+pub(in super::super) fn add(
+    domain: &Domain,
+    [u, w]: [&[f64]; 2],
+    epsilon: f64,
+    factor: f64,
+    [by_value, by_weight]: [&mut [f64]; 2],
+) -> f64 {
+    let e1 = edge(epsilon);
+    let (part, count) = parts(domain, u, e1);
+    if count < 2 {
+        return 0.0;
+    }
+    let span = (1.0 - e1) / 2.0;
+    let height = |f: usize| {
+        let (h, slope) = smoothstep((u[f] - e1) / span);
+        (h, slope / span)
+    };
+    let mut sizes = vec![0.0; count];
+    for f in 0..u.len() {
+        if part[f] != NONE {
+            sizes[part[f] as usize] += domain.areas[f] * w[f] * height(f).0;
+        }
+    }
+    let mut chosen: Vec<u32> = (0..count as u32).collect();
+    chosen.sort_by(|&p, &q| sizes[q as usize].total_cmp(&sizes[p as usize]).then(p.cmp(&q)));
+    chosen.truncate(MOST_PARTS);
+    let mut rank = vec![NONE; count];
+    for (i, &p) in chosen.iter().enumerate() {
+        rank[p as usize] = i as u32;
+    }
+    // The rims of the chosen parts: a front leaves through them only.
+    let mut rims: Vec<Vec<u32>> = vec![Vec::new(); chosen.len()];
+    for f in 0..u.len() {
+        if part[f] == NONE || rank[part[f] as usize] == NONE {
+            continue;
+        }
+        if domain.neighbours[f].iter().any(|&g| g != NONE && part[g as usize] != part[f]) {
+            rims[rank[part[f] as usize] as usize].push(f as u32);
+        }
+    }
+
+    let cost: Vec<f64> = (0..u.len()).map(|f| price(u[f], e1).0 / (w[f] + 1e-6)).collect();
+    let length = |f: usize, g: usize| {
+        0.25 * (domain.diameters[f] + domain.diameters[g]) * (cost[f] + cost[g])
+    };
+    let faces = u.len();
+    let mut paths = Paths {
+        distances: vec![f64::INFINITY; faces],
+        parents: vec![NONE; faces],
+        is_done: vec![false; faces],
+        order: Vec::new(),
+        queue: BinaryHeap::new(),
+    };
+    let mut load = vec![0.0; faces];
+    let mut by_size = vec![0.0; count];
+    // Derivative by the cost of each face.
+    let mut by_cost = vec![0.0; faces];
+    let mut total = 0.0;
+    for (i, &p) in chosen.iter().enumerate().take(chosen.len() - 1) {
+        let size = sizes[p as usize];
+        if !(size > 0.0) {
+            break;
+        }
+        // The first face of every part further down, at its distance.
+        let mut reached = vec![false; chosen.len()];
+        let wanted = chosen.len() - 1 - i;
+        let mut found = 0;
+        for &f in &rims[i] {
+            paths.distances[f as usize] = 0.0;
+            paths.queue.push(Reverse((0, f)));
+        }
+        while let Some(Reverse((_, f))) = paths.queue.pop() {
+            let f = f as usize;
+            if paths.is_done[f] {
+                continue;
+            }
+            paths.is_done[f] = true;
+            paths.order.push(f as u32);
+            if part[f] != NONE {
+                let q = rank[part[f] as usize];
+                if q != NONE && q as usize > i && !reached[q as usize] {
+                    reached[q as usize] = true;
+                    found += 1;
+                    let d = paths.distances[f];
+                    let other = sizes[part[f] as usize];
+                    load[f] = other;
+                    total += 2.0 * d * size * other;
+                    by_size[p as usize] += 2.0 * d * other;
+                    by_size[part[f] as usize] += 2.0 * d * size;
+                    if found == wanted {
+                        break;
+                    }
+                }
+            }
+            for g in domain.neighbours[f] {
+                if g == NONE || paths.is_done[g as usize] {
+                    continue;
+                }
+                let distance = paths.distances[f] + length(f, g as usize);
+                if distance < paths.distances[g as usize] {
+                    paths.distances[g as usize] = distance;
+                    paths.parents[g as usize] = f as u32;
+                    // Distances are finite and not negative: their bits sort like their values.
+                    paths.queue.push(Reverse((distance.to_bits(), g)));
+                }
+            }
+        }
+        for &f in paths.order.iter().rev() {
+            let f = f as usize;
+            let (parent, carried) = (paths.parents[f], load[f]);
+            if carried > 0.0 && parent != NONE {
+                let g = parent as usize;
+                load[g] += carried;
+                let slope =
+                    2.0 * size * carried * 0.25 * (domain.diameters[f] + domain.diameters[g]);
+                by_cost[f] += slope;
+                by_cost[g] += slope;
+            }
+            load[f] = 0.0;
+        }
+        paths.clear();
+    }
+    for f in 0..faces {
+        let (value, slope) = price(u[f], e1);
+        let weight = w[f] + 1e-6;
+        by_value[f] += factor * by_cost[f] * slope / weight;
+        by_weight[f] -= factor * by_cost[f] * value / (weight * weight);
+        if part[f] != NONE {
+            let change = factor * by_size[part[f] as usize] * domain.areas[f];
+            let (h, h_slope) = height(f);
+            by_value[f] += change * w[f] * h_slope;
+            by_weight[f] += change * h;
+        }
+    }
+    total
+}
+
+impl Paths {
+    fn clear(&mut self) {
+        self.distances.fill(f64::INFINITY);
+        self.parents.fill(NONE);
+        self.is_done.fill(false);
+        self.order.clear();
+        self.queue.clear();
+    }
+}
