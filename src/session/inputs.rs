@@ -37,6 +37,8 @@ pub struct Layers {
     pub seams: Rc<Vec<f64>>,
     /// Labels of a cut that was brought along.
     pub brought: Rc<Vec<u32>>,
+    /// The pieces of another method.
+    pub handed: Option<Rc<Initial>>,
     /// Symmetries that the cut keeps.
     pub symmetry: Rc<Kept>,
 }
@@ -88,6 +90,15 @@ pub fn initial(
             ));
         }
         "file" => Initial::Labels(layers.brought.to_vec()),
+        "handed" => match &layers.handed {
+            Some(initial) => (**initial).clone(),
+            None => {
+                return Err(nothing_painted(
+                    "no other method has made pieces yet",
+                    "Choose Phase field or Developable patches, run it, and press Improve by the cut flow.",
+                ));
+            }
+        },
         "uv" => of_faces(surface, FaceSource::UvIslands)?,
         "groups" => of_faces(surface, FaceSource::Groups)?,
         "materials" => of_faces(surface, FaceSource::Materials)?,

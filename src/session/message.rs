@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::cones::{ConeComparisonRow, ConePathPoint, ConeTable};
+use super::segmenting::{DevelopTable, SegmentTree};
 
 /// What a person can ask for. Meshes come with their bytes through [`super::Session::open`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -148,7 +149,10 @@ pub enum Command {
         /// Whether they are to be one; otherwise they are to stay two.
         joins: bool,
     },
+    /// Goes on with the cut flow from the pieces that there are.
+    HandOver,
     /// Puts a cone where a person wants one.
+    AddCone {
         /// The face of the mesh there.
         face: u32,
         /// The place in the scene.

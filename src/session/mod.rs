@@ -69,6 +69,10 @@ pub use method::Method;
 pub use outlines::Outline;
 pub use params::{Effect, Settings};
 pub use regions::FaceSource;
+pub use segmenting::{
+    DevelopReport, DevelopSeconds, DevelopStage, DevelopTable, PhaseFieldReport, Segment,
+    SegmentTree,
+};
 pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport, RefinedReport};
 pub use scene::Scene;
 pub use size::settings_for;
@@ -188,6 +192,9 @@ impl Session {
             Command::ClearCones => self.clear_cones(&mut events),
             Command::TracePath => self.trace_path(&mut events),
             Command::CompareCones => self.compare_cones(&mut events),
+            Command::SelectSegment { node } => self.select_segment(node, &mut events),
+            Command::Sew { patches, joins } => self.sew(patches, joins, &mut events),
+            Command::HandOver => self.hand_over(&mut events),
         };
         if let Err(problem) = result {
             self.refuse(problem, &mut events);
@@ -509,7 +516,7 @@ impl Session {
             .is_some_and(|work| work.settings.text("init") == settings.text("init"));
         if is_made
             && !label.starts_with("open ")
-            && ["painted", "seeds", "file"].contains(&settings.text("init"))
+            && ["painted", "seeds", "file", "handed"].contains(&settings.text("init"))
         {
             settings.put("init", Value::Text("normals".into()));
             let text = "What was painted belonged to the mesh before: the cut starts from normal clusters.";

@@ -231,6 +231,12 @@ impl Settings {
     }
 }
 
+/// A parameter that counts.
+#[expect(clippy::cast_sign_loss, reason = "counts are not negative by their ranges")]
+pub(super) fn whole(x: f64) -> usize {
+    x as usize
+}
+
 /// Identifiers of all parameters.
 const IDS: &[&str] = &[
     "init",
@@ -290,6 +296,28 @@ const IDS: &[&str] = &[
     "refine",
     "outline",
     "split",
+    "levels",
+    "fraction",
+    "phase_start",
+    "starts",
+    "phase_seed",
+    "epsilon",
+    "omega",
+    "connected",
+    "kappa",
+    "screening",
+    "relax",
+    "warm_up",
+    "vsa_tolerance",
+    "min_cut",
+    "denoise",
+    "merge_measure",
+    "area_limit",
+    "stretch_limit",
+    "patch_limit",
+    "darts",
+    "merge_strategy",
+    "seam_price",
 ];
 
 #[cfg(test)]

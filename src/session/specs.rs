@@ -143,6 +143,7 @@ fn start() -> Vec<ParamSpec> {
                 ("materials", "Materials of the mesh"),
                 ("volleyball", "Volleyball panels"),
                 ("file", "Another cut"),
+                ("handed", "Pieces of another method"),
             ],
             "Where the cut starts. Normal clusters give many pieces, a plane or a circle two regions; seeds and regions are set with the brush.",
         ),

@@ -10,7 +10,7 @@ use cutflow::session::{
 use super::cut::{assignment, bring_layers, typed};
 use super::{
     MeshArgs, Report, clock, make_folder, open, print_flattening, read, tell, warn_of_charts,
-    write, write_json, writes_to_stdout,
+    write, write_cut, write_json, writes_to_stdout,
 };
 
 /// λ is for a surface of unit area; the paper's is for another scale.

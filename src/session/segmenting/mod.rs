@@ -4,6 +4,7 @@
 
 mod develop;
 mod driving;
+mod hands;
 mod phase;
 mod report;
 mod specs;
@@ -11,16 +12,16 @@ mod tree;
 
 use super::document::Document;
 use super::inputs::Layers;
-use super::message::{Event, Row, Term};
+use super::message::{Event, Row};
 use super::method::Method;
 use super::params::Settings;
 use super::surface::Surface;
 use super::text::Problem;
 use super::work::Work;
 use crate::mesh::CutMesh;
-use crate::methods::flow::{Status, StepReport};
+use crate::methods::flow::Status;
 
-pub use develop::{DevelopCheckpoint, Developable};
+pub use develop::{DevelopCheckpoint, DevelopStage, DevelopTable, Developable};
 pub use phase::{PhaseCheckpoint, PhaseField};
 pub use report::{DevelopReport, DevelopSeconds, PhaseFieldReport};
 pub use specs::{develop_specs, phase_specs};
@@ -88,15 +89,6 @@ fn row(id: &str, label: &str, unit: &str, now: f64) -> Row {
         now: now.is_finite().then_some(now),
         start: None,
     }
-}
-
-/// A point of the energy plot.
-fn curve_point(report: &StepReport, names: &[(&'static str, &str)]) -> Event {
-    let mut values = report.energy.iter();
-    let total = values.next().map_or(0.0, |(_, value)| *value);
-    let name = |id: &str| names.iter().find(|(known, _)| *known == id).map_or(id, |(_, name)| name);
-    let term = |(id, value): &(&'static str, f64)| Term { name: name(id).into(), value: *value };
-    Event::Energy { step: report.step, total, terms: values.map(term).collect() }
 }
 
 impl Work {

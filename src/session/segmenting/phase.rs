@@ -29,6 +29,10 @@ const WIDEST: f64 = 0.5;
 #[derive(Default)]
 pub struct PhaseField {
     flow: Option<PhaseFieldFlow>,
+    /// Area of the surface that belongs to each vertex.
+    areas: Vec<f64>,
+    /// Length at area 4π of a length of the surface.
+    scale: f64,
     /// Where to go on from, once there is time.
     saved: Option<PhaseCheckpoint>,
     curve: Vec<Event>,
@@ -104,6 +108,12 @@ impl PhaseField {
         known.or(flow.current().map(|(node, _)| node)).unwrap_or(0)
     }
 
+    fn measure_surface(&mut self, surface: &Surface) {
+        let (mesh, geometry) = surface.solving();
+        self.areas = geometry.vertex_dual_areas(mesh);
+        self.scale = length_scale(geometry);
+    }
+
     fn start(&mut self, flow: PhaseFieldFlow) {
         self.curve = vec![first_point(&flow)];
         self.measures.clear();
@@ -132,7 +142,7 @@ impl PhaseField {
         let state = flow.state();
         let (nodes, leaves) = (state.tree(), state.leaves());
         let mut labels: Vec<String> = vec!["Whole".into()];
-        let total: f64 = flow.areas().iter().sum();
+        let total: f64 = self.areas.iter().sum();
         let mut list = Vec::with_capacity(nodes.len());
         for (node, segment) in nodes.iter().enumerate() {
             if let (Some(parent), true) = (segment.parent, node > 0) {
@@ -141,7 +151,7 @@ impl PhaseField {
                 let dot = if parent == 0 { "" } else { "." };
                 labels.push(format!("{above}{dot}{side}"));
             }
-            let weighed = segment.weight.iter().zip(flow.areas());
+            let weighed = segment.weight.iter().zip(&self.areas);
             let area: f64 = weighed.map(|(w, a)| w * a).sum();
             let of_parent = segment.parent.and_then(|parent| {
                 let side = usize::from(nodes[parent].children?[1] == node);
@@ -192,6 +202,7 @@ impl Segmentation for PhaseField {
             self.flow = Some(flow);
             self.curve = saved.curve.to_vec();
             self.measures.clear();
+            self.measure_surface(surface);
             self.measure(None).map_err(wrong)?;
             if let Some(flow) = &mut self.flow {
                 flow.set_params(params).map_err(wrong)?;
@@ -217,6 +228,7 @@ impl Segmentation for PhaseField {
             _ => {
                 let (mesh, geometry) = surface.solving_shared();
                 let flow = PhaseFieldFlow::new(mesh, geometry, params).map_err(wrong)?;
+                self.measure_surface(surface);
                 self.start(flow);
                 Ok(true)
             }
@@ -283,7 +295,7 @@ impl Segmentation for PhaseField {
         }
         if !self.measures.is_empty() {
             let (length, loss) = self.sums();
-            rows.push(row("level_length", "Level-set length", "√A", length / self.scale()));
+            rows.push(row("level_length", "Level-set length", "√A", length / self.scale));
             rows.push(row("sharp", "Sharp Hencky loss", "", loss));
         }
         rows
@@ -332,15 +344,10 @@ impl Segmentation for PhaseField {
 }
 
 impl PhaseField {
-    /// Length at area 4π of a length of the surface.
-    fn scale(&self) -> f64 {
-        self.flow.as_ref().map_or(1.0, PhaseFieldFlow::length_scale)
-    }
-
     /// P/√2, all splits.
     fn interface(&self, flow: &PhaseFieldFlow) -> f64 {
         let sum: f64 = flow.state().tree().iter().map(|node| node.terms.perimeter).sum();
-        sum / SQRT_2 / self.scale()
+        sum / SQRT_2 / self.scale
     }
 }
 
@@ -432,7 +439,7 @@ impl Work {
             epsilon: params.epsilon,
             levels: params.levels,
             omega: params.omega,
-            perimeter: phase.sums().0 / phase.scale(),
+            perimeter: phase.sums().0 / phase.scale,
             area_fraction: root.terms.area_fraction,
             components: leaves.map(|segment| segment.components).sum(),
             yamabe: phase.yamabe(),

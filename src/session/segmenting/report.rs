@@ -6,7 +6,7 @@ use super::super::message::NoticeText;
 use super::super::report::FlattenReport;
 use super::super::text::Problem;
 use super::super::work::Work;
-use super::super::{Session, nothing_open};
+use super::super::Session;
 use super::tree::Segment;
 use crate::methods::flow::Status;
 
@@ -156,19 +156,5 @@ impl Session {
     /// The stage of developable patches that the next step belongs to.
     pub fn develop_stage(&self) -> Option<&'static str> {
         self.work.as_ref()?.develop.stage()
-    }
-
-    /// Shows a segment of the hierarchy.
-    pub(in super::super) fn select_segment(&mut self, node: usize) -> Result<(), Problem> {
-        let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        if !work.phase.select(node) {
-            return Err(Problem::new(
-                format!("There is no segment {node}."),
-                "In the hierarchy of segments.",
-                "Choose one that is shown.",
-            ));
-        }
-        self.scene_is_new = true;
-        Ok(())
     }
 }

