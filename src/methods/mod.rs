@@ -5,7 +5,9 @@
 pub mod cones;
 pub mod cutflow;
 pub mod cutgraph;
+pub mod developable;
 pub mod flow;
+pub mod maxflow;
 pub mod phasefield;
 pub mod prepare;
 pub mod straighten;

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
 use super::super::validity::FacePair;
-use super::flow::Network;
+use crate::methods::maxflow::Network;
 use crate::geometry::Geometry;
 use crate::mesh::{EdgeId, FaceId, OpenedMesh};
 
