@@ -24,6 +24,7 @@ pub mod isometric;
 pub mod lpfb;
 pub mod lscm;
 pub mod measures;
+pub mod merging;
 pub mod overlap;
 pub mod pack;
 pub mod split;
