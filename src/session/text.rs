@@ -194,6 +194,11 @@ impl Problem {
                 format!("{name}, interface width."),
                 format!("Choose {floor:.3} or more, or remesh the surface with shorter edges."),
             ),
+            SolveError::PatchCheck { face } => Self::new(
+                format!("The patch of face {} does not keep its limits when it is flattened anew.", face.0),
+                format!("{name}, check of the patches."),
+                "Change a limit a little and merge again.",
+            ),
             SolveError::NotFinite => Self::new(
                 "The energy of the cut is not a finite number.",
                 format!("{name}."),

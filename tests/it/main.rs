@@ -22,6 +22,7 @@ mod flattening;
 mod folding;
 mod golden;
 mod isometric;
+mod lpfb;
 mod measuring;
 mod mutation;
 mod opening;

@@ -1,0 +1,636 @@
+//! The flow: trials, and one accepted merge after another.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::network::{Curve, connected_charts, curves};
+use super::params::{AreaMeasure, MergeParams, MergeStrategy, MergeWishes};
+use super::split::bisect;
+use super::state::{MergePhase, MergeState, PatchInfo};
+use super::trial::{Bench, Failure, Limits, Map, Reject};
+use crate::flatten::small;
+use crate::geometry::Geometry;
+use crate::mesh::{EdgeId, FaceId, Mesh};
+use crate::methods::flow::{Flow, SolveError, Status, StepReport};
+
+/// What is added to A_abs when merges are compared: isometric ones differ by the seam that they remove.
+const GROUND: f64 = 0.01;
+
+/// Power of the smaller patch's area in the order of merges: small patches are used up first, while they still fit anywhere.
+const SMALL_FIRST: f64 = 0.25;
+
+/// What new parameters did to a flow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParamsChange {
+    /// Nothing is different.
+    Nothing,
+    /// Limits are looser: what there is stays, and what was rejected is tried again.
+    Continued,
+    /// Patches may fail now: it starts from the charts again.
+    Restarted,
+}
+
+/// A patch at work.
+#[derive(Clone)]
+pub(super) struct Member {
+    pub faces: Vec<FaceId>,
+    pub charts: Vec<u32>,
+    pub labels: BTreeSet<u32>,
+    /// None for charts that fail and cannot be split.
+    pub map: Option<Map>,
+    pub is_forced: bool,
+    pub area: f64,
+    /// Of its charts and of what its cut differs in from their borders.
+    hash: u128,
+}
+
+/// A merge that passes.
+struct Offer {
+    key: f64,
+    removed: Vec<EdgeId>,
+    darts: Vec<EdgeId>,
+    map: Map,
+}
+
+/// Merges charts into patches that flatten, one bounded step at a time.
+///
+/// **Minimises** the number of patches, greedily, under limits on the distortion of each. **Step** some trials, or one accepted merge; then one patch zipped; then the check.
+/// The number of patches never rises; the length of seams may, where darts are cut. **Ends** `Converged` when nothing that is left passes and the
+/// patches have been flattened anew.
+pub struct MergeFlow {
+    pub(super) params: MergeParams,
+    pub(super) wishes: MergeWishes,
+    labels: Vec<u32>,
+    pub(super) bench: Bench,
+    pub(super) total_area: f64,
+    pub(super) face_charts: Vec<u32>,
+    chart_labels: Vec<u32>,
+    pub(super) curves: Vec<Curve>,
+    pub(super) members: Vec<Option<Member>>,
+    /// Curves between patches that are still there.
+    between: BTreeMap<[u32; 2], Vec<u32>>,
+    offers: BTreeMap<[u32; 2], Option<Offer>>,
+    pending: BTreeSet<[u32; 2]>,
+    /// Curves that the paper's strategy has yet to look at.
+    unseen: BTreeSet<u32>,
+    rejected: BTreeMap<u128, Reject>,
+    pub(super) next_zip: usize,
+    pub(super) state: MergeState,
+    pub(super) step: usize,
+    pub(super) status: Status,
+}
+
+impl MergeFlow {
+    /// Prepares charts: splits those that fail, and merges those that are wanted together.
+    ///
+    /// **Takes** a surface, any scale, and a label for each face; faces of one label that hang together are a chart. **Fails** on parameters out of range, on
+    /// edges that are not there, and on a symmetry that the charts do not have.
+    /// **Costs** a trial for each chart, and two for each split.
+    pub fn new(
+        mesh: Arc<Mesh>,
+        geometry: Arc<Geometry>,
+        labels: &[u32],
+        params: MergeParams,
+        wishes: MergeWishes,
+    ) -> Result<Self, SolveError> {
+        params.validate()?;
+        assert_eq!(labels.len(), mesh.face_count());
+        let total_area = geometry.total_area();
+        if !(total_area > 0.0 && total_area.is_finite()) {
+            return Err(SolveError::NotFinite);
+        }
+        let mut flow = Self {
+            params,
+            wishes,
+            labels: labels.to_vec(),
+            bench: Bench::new(mesh, geometry),
+            total_area,
+            face_charts: Vec::new(),
+            chart_labels: Vec::new(),
+            curves: Vec::new(),
+            members: Vec::new(),
+            between: BTreeMap::new(),
+            offers: BTreeMap::new(),
+            pending: BTreeSet::new(),
+            unseen: BTreeSet::new(),
+            rejected: BTreeMap::new(),
+            next_zip: 0,
+            state: MergeState::default(),
+            step: 0,
+            status: Status::Running,
+        };
+        flow.start()?;
+        Ok(flow)
+    }
+
+    /// From the labels to patches of one chart each.
+    fn start(&mut self) -> Result<(), SolveError> {
+        let mesh = self.bench.mesh.clone();
+        let geometry = self.bench.geometry.clone();
+        for e in mesh.edges() {
+            self.bench.set_cut(e, false);
+        }
+        self.bench.is_kept.fill(false);
+        for e in self.wishes.kept_edges.clone() {
+            let Some(kept) = self.bench.is_kept.get_mut(e.index()) else {
+                let (value, max) = (f64::from(e.0), mesh.edge_count() as f64);
+                return Err(SolveError::Parameter { name: "kept edge", value, min: 0.0, max });
+            };
+            if !mesh.is_boundary_edge(e) {
+                *kept = true;
+                self.bench.set_cut(e, true);
+            }
+        }
+        (self.face_charts, self.chart_labels) = connected_charts(&mesh, &self.labels);
+        self.state = MergeState::default();
+        let maps = self.split_charts();
+        self.curves = curves(&mesh, &geometry, &self.face_charts);
+        for curve in &self.curves {
+            curve.edges.iter().for_each(|&e| self.bench.set_cut(e, true));
+        }
+        self.members = maps
+            .into_iter()
+            .enumerate()
+            .map(|(chart, (faces, map))| {
+                let area = faces.iter().map(|f| geometry.face_areas[f.index()]).sum();
+                Some(Member {
+                    faces,
+                    charts: vec![small(chart)],
+                    labels: BTreeSet::from([self.chart_labels[chart]]),
+                    map,
+                    is_forced: false,
+                    area,
+                    hash: hash(0, small(chart)),
+                })
+            })
+            .collect();
+        self.between.clear();
+        self.offers.clear();
+        for (i, curve) in self.curves.iter().enumerate() {
+            self.between.entry(curve.charts).or_default().push(small(i));
+        }
+        for pair in self.wishes.together.clone() {
+            self.force(pair);
+        }
+        self.pending = self.between.keys().copied().collect();
+        self.unseen = (0..small(self.curves.len())).collect();
+        self.next_zip = 0;
+        self.status = Status::Running;
+        self.picture();
+        Ok(())
+    }
+
+    /// Splits charts until they pass. **Gives** faces and map of each chart.
+    fn split_charts(&mut self) -> Vec<(Vec<FaceId>, Option<Map>)> {
+        let (mesh, geometry) = (self.bench.mesh.clone(), self.bench.geometry.clone());
+        let normals = geometry.face_normals(&mesh);
+        let limits = Limits {
+            area: self.params.split_limit.min(self.params.area_limit),
+            ..Limits::of(&self.params)
+        };
+        let mut groups: Vec<Vec<FaceId>> = vec![Vec::new(); self.chart_labels.len()];
+        for f in mesh.faces() {
+            groups[self.face_charts[f.index()] as usize].push(f);
+        }
+        let mut maps: Vec<Option<Map>> = Vec::new();
+        // What is split off joins the queue at its end.
+        while maps.len() < groups.len() {
+            let chart = maps.len();
+            loop {
+                if let Ok(map) = self.bench.flatten(&groups[chart], &limits) {
+                    maps.push(Some(map));
+                    break;
+                }
+                let halves = bisect(&mesh, &normals, &geometry.face_areas, &groups[chart]);
+                let Some([kept, split]) = halves else {
+                    maps.push(None);
+                    break;
+                };
+                self.state.splits += 1;
+                for f in &split {
+                    self.face_charts[f.index()] = small(groups.len());
+                }
+                self.chart_labels.push(self.chart_labels[chart]);
+                groups.push(split);
+                groups[chart] = kept;
+            }
+        }
+        groups.into_iter().zip(maps).collect()
+    }
+
+    /// Merges all patches with these two labels, limits or not.
+    fn force(&mut self, [a, b]: [u32; 2]) {
+        let mut is_done = false;
+        loop {
+            let wanted = self.between.keys().copied().find(|[p, q]| {
+                let has = |i: u32, label: u32| {
+                    self.members[i as usize].as_ref().is_some_and(|m| m.labels.contains(&label))
+                };
+                (has(*p, a) && has(*q, b)) || (has(*p, b) && has(*q, a))
+            });
+            let Some(pair) = wanted else { break };
+            let curves = self.between[&pair].clone();
+            let edges: Vec<EdgeId> =
+                curves.iter().flat_map(|&c| self.curves[c as usize].edges.clone()).collect();
+            let mut removed = self.bench.remove(&edges);
+            self.bench.zip(&mut removed);
+            let faces = self.joined_faces(pair);
+            let limits = Limits::none(&self.params);
+            let Ok(map) = self.bench.flatten(&faces, &limits) else {
+                removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+                break;
+            };
+            self.merge(pair, &removed, &[], map, true);
+            is_done = true;
+        }
+        let one = self.members.iter().flatten().any(|m| m.labels.contains(&a) && m.labels.contains(&b));
+        if !(is_done || one) {
+            self.state.refused.push([a, b]);
+        }
+    }
+
+    fn joined_faces(&self, pair: [u32; 2]) -> Vec<FaceId> {
+        let parts = pair.map(|p| self.members[p as usize].as_ref());
+        parts.iter().flatten().flat_map(|m| m.faces.iter().copied()).collect()
+    }
+
+    /// Options in force.
+    pub fn params(&self) -> &MergeParams {
+        &self.params
+    }
+
+    /// How it stands.
+    pub fn status(&self) -> Status {
+        self.status
+    }
+
+    /// Accepted steps so far.
+    pub fn steps(&self) -> usize {
+        self.step
+    }
+
+    /// The surface.
+    pub fn mesh(&self) -> &Mesh {
+        &self.bench.mesh
+    }
+
+    /// Goes on with other options. Looser limits keep what there is; anything else starts from the charts again. After `Err` everything is as it was.
+    pub fn set_params(&mut self, params: MergeParams) -> Result<ParamsChange, SolveError> {
+        params.validate()?;
+        if params == self.params {
+            return Ok(ParamsChange::Nothing);
+        }
+        if params.measure != self.params.measure || params.rigid_steps != self.params.rigid_steps {
+            self.rejected.clear();
+        }
+        let is_looser = params.loosens(&self.params);
+        self.params = params;
+        if is_looser {
+            self.offers.retain(|_, offer| offer.is_some());
+            self.pending =
+                self.between.keys().filter(|pair| !self.offers.contains_key(*pair)).copied().collect();
+            self.unseen = self.between.values().flatten().copied().collect();
+            self.next_zip = 0;
+            self.state.phase = MergePhase::Merging;
+            self.status = Status::Running;
+            return Ok(ParamsChange::Continued);
+        }
+        self.start()?;
+        Ok(ParamsChange::Restarted)
+    }
+
+    /// Starts from the charts again with other wishes. After `Err` everything is as it was.
+    pub fn set_wishes(&mut self, wishes: MergeWishes) -> Result<(), SolveError> {
+        let (mesh, geometry) = (self.bench.mesh.clone(), self.bench.geometry.clone());
+        let mut other = Self::new(mesh, geometry, &self.labels, self.params, wishes)?;
+        other.step = self.step;
+        *self = other;
+        Ok(())
+    }
+
+    /// Whether two patches may meet at all.
+    fn may_join(&self, pair: [u32; 2]) -> bool {
+        let [Some(p), Some(q)] = pair.map(|i| self.members[i as usize].as_ref()) else {
+            return false;
+        };
+        let is_apart = self.wishes.apart.iter().any(|[a, b]| {
+            (p.labels.contains(a) && q.labels.contains(b))
+                || (p.labels.contains(b) && q.labels.contains(a))
+        });
+        !is_apart && p.area + q.area <= self.params.max_patch_area * self.total_area * (1.0 + 1e-12)
+    }
+
+    /// Tries all ways to merge a pair; gives the best that passes.
+    fn best_offer(&mut self, pair: [u32; 2]) -> Option<Offer> {
+        if !self.may_join(pair) {
+            return None;
+        }
+        let curves = self.between.get(&pair)?.clone();
+        let mut ways: Vec<Vec<EdgeId>> = Vec::new();
+        if curves.len() > 1 {
+            ways.push(curves.iter().flat_map(|&c| self.curves[c as usize].edges.clone()).collect());
+        }
+        ways.extend(curves.iter().map(|&c| self.curves[c as usize].edges.clone()));
+        let mut best: Option<Offer> = None;
+        for edges in ways {
+            if let Some(offer) = self.offer(pair, &edges, true) {
+                if best.as_ref().is_none_or(|b| offer.key < b.key) {
+                    best = Some(offer);
+                }
+            }
+        }
+        best
+    }
+
+    /// One trial, and more with darts where they may help. The cut is as before afterwards.
+    fn offer(&mut self, pair: [u32; 2], edges: &[EdgeId], zips: bool) -> Option<Offer> {
+        let mut removed = self.bench.remove(edges);
+        if removed.is_empty() {
+            return None;
+        }
+        if zips {
+            self.bench.zip(&mut removed);
+        }
+        let mut darts = Vec::new();
+        let map = self.flatten_with_darts(pair, &removed, &mut darts, zips);
+        darts.iter().for_each(|&e| self.bench.set_cut(e, false));
+        removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+        let map = map?;
+        let length: f64 = removed.iter().map(|&e| self.bench.geometry.edge_length(e)).sum();
+        let [p, q] = pair.map(|i| self.members[i as usize].as_ref().map_or(0.0, |m| m.area));
+        let key = (map.measures.area_absolute + GROUND) / length
+            * (p.min(q) / self.total_area).powf(SMALL_FIRST);
+        Some(Offer { key, removed, darts, map })
+    }
+
+    fn flatten_with_darts(
+        &mut self,
+        pair: [u32; 2],
+        removed: &[EdgeId],
+        darts: &mut Vec<EdgeId>,
+        allows_darts: bool,
+    ) -> Option<Map> {
+        let faces = self.joined_faces(pair);
+        let mut left = match self.params.measure {
+            AreaMeasure::Absolute if allows_darts => self.params.darts,
+            _ => 0,
+        };
+        let mut key = removed.iter().fold(0, |key, e| key ^ hash(1, e.0));
+        for member in pair.iter().filter_map(|&p| self.members[p as usize].as_ref()) {
+            key ^= member.hash;
+        }
+        loop {
+            let limits = Limits { wants_dart: left > 0, ..self.limits() };
+            if self.rejected.get(&key).is_some_and(|reject| limits.still_reject(reject)) {
+                return None;
+            }
+            let Failure { reject, dart } = match self.bench.flatten(&faces, &limits) {
+                Ok(map) => return Some(map),
+                Err(failure) => failure,
+            };
+            self.rejected.insert(key, reject);
+            left = left.saturating_sub(1);
+            for e in dart? {
+                self.bench.set_cut(e, true);
+                darts.push(e);
+                key ^= hash(1, e.0);
+            }
+        }
+    }
+
+    fn limits(&self) -> Limits {
+        let limits = Limits::of(&self.params);
+        match self.params.strategy {
+            MergeStrategy::Paper => Limits { rigid_steps: 0, ..limits },
+            MergeStrategy::BestFirst => limits,
+        }
+    }
+
+    /// Makes one patch of two. The cut is brought up to date.
+    fn merge(
+        &mut self,
+        pair: [u32; 2],
+        removed: &[EdgeId],
+        darts: &[EdgeId],
+        map: Map,
+        is_forced: bool,
+    ) {
+        removed.iter().for_each(|&e| self.bench.set_cut(e, false));
+        darts.iter().for_each(|&e| self.bench.set_cut(e, true));
+        let [p, q] = pair.map(|i| i as usize);
+        let (Some(mut one), Some(other)) = (self.members[p].take(), self.members[q].take()) else {
+            return;
+        };
+        one.faces.extend(other.faces);
+        one.charts.extend(other.charts);
+        one.labels.extend(other.labels);
+        one.is_forced |= other.is_forced || is_forced;
+        one.area += other.area;
+        one.hash ^= other.hash;
+        one.hash = removed.iter().chain(darts).fold(one.hash, |key, e| key ^ hash(1, e.0));
+        one.map = Some(map);
+        self.members[p] = Some(one);
+        self.between.remove(&pair);
+        let touched: Vec<[u32; 2]> =
+            self.between.keys().filter(|k| k.iter().any(|i| pair.contains(i))).copied().collect();
+        for old in touched {
+            self.offers.remove(&old);
+            self.pending.remove(&old);
+            let Some(curves) = self.between.remove(&old) else { continue };
+            let far = if pair.contains(&old[0]) { old[1] } else { old[0] };
+            let new = [far.min(pair[0]), far.max(pair[0])];
+            let all = self.between.entry(new).or_default();
+            all.extend(curves);
+            all.sort_unstable();
+            self.pending.insert(new);
+        }
+        self.offers.remove(&pair);
+        self.pending.remove(&pair);
+        self.state.merges += 1;
+    }
+
+    /// Trials until a step is full or all pairs are tried; then the best merge.
+    fn best_first_step(&mut self) {
+        let before = self.bench.trials;
+        while self.bench.trials < before + self.params.trials_per_step {
+            let Some(pair) = self.pending.pop_first() else { break };
+            let offer = self.best_offer(pair);
+            self.offers.insert(pair, offer);
+        }
+        if !self.pending.is_empty() {
+            return;
+        }
+        let mut best: Option<([u32; 2], f64)> = None;
+        for (&pair, offer) in &self.offers {
+            if let Some(offer) = offer
+                && best.is_none_or(|b| offer.key < b.1)
+            {
+                best = Some((pair, offer.key));
+            }
+        }
+        match best.and_then(|(pair, _)| Some((pair, self.offers.remove(&pair)??))) {
+            Some((pair, offer)) => {
+                self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
+                self.picture();
+            }
+            None => self.state.phase = MergePhase::Zipping,
+        }
+    }
+
+    /// The paper's: curves by the area on both sides, largest first, each once.
+    fn paper_step(&mut self) {
+        let before = self.bench.trials;
+        while self.bench.trials < before + self.params.trials_per_step {
+            let mut next: Option<(f64, u32, [u32; 2])> = None;
+            for (&pair, curves) in &self.between {
+                let area: f64 =
+                    pair.iter().filter_map(|&p| self.members[p as usize].as_ref()).map(|m| m.area).sum();
+                for &c in curves.iter().filter(|c| self.unseen.contains(c)) {
+                    if next.is_none_or(|(a, i, _)| area > a || (area >= a && c < i)) {
+                        next = Some((area, c, pair));
+                    }
+                }
+            }
+            let Some((_, curve, pair)) = next else {
+                self.state.phase = MergePhase::Checking;
+                return;
+            };
+            self.unseen.remove(&curve);
+            if !self.may_join(pair) {
+                continue;
+            }
+            let edges = self.curves[curve as usize].edges.clone();
+            if let Some(offer) = self.offer(pair, &edges, false) {
+                self.merge(pair, &offer.removed, &[], offer.map, false);
+                self.picture();
+                return;
+            }
+        }
+    }
+
+    /// Makes the public state from what is known.
+    pub(super) fn picture(&mut self) {
+        let mesh = self.bench.mesh.clone();
+        let geometry = self.bench.geometry.clone();
+        let mut member_of = vec![0u32; mesh.face_count()];
+        for (i, member) in self.members.iter().enumerate() {
+            for f in member.iter().flat_map(|m| &m.faces) {
+                member_of[f.index()] = small(i);
+            }
+        }
+        let mut numbers = vec![u32::MAX; self.members.len()];
+        let mut patches: Vec<PatchInfo> = Vec::new();
+        self.state.face_patches.clear();
+        for &member in &member_of {
+            let number = &mut numbers[member as usize];
+            if *number == u32::MAX {
+                *number = small(patches.len());
+                patches.extend(self.members[member as usize].as_ref().map(|m| self.info(m)));
+            }
+            self.state.face_patches.push(*number);
+        }
+        self.state.cut_edges.clear();
+        (self.state.seam_length, self.state.dart_length) = (0.0, 0.0);
+        for e in mesh.edges().filter(|e| self.bench.is_cut()[e.index()]) {
+            self.state.cut_edges.push(e);
+            let length = geometry.edge_length(e);
+            self.state.seam_length += length;
+            let [f, g] = [e.halfedge(), e.halfedge().twin()].map(|h| mesh.face(h));
+            if let (Some(f), Some(g)) = (f, g)
+                && self.state.face_patches[f.index()] == self.state.face_patches[g.index()]
+            {
+                self.state.dart_length += length;
+                patches[self.state.face_patches[f.index()] as usize].dart_length += length;
+            }
+        }
+        self.state.patches = patches;
+        self.state.face_charts.clone_from(&self.face_charts);
+    }
+
+    fn info(&self, member: &Member) -> PatchInfo {
+        let mut info = PatchInfo {
+            faces: member.faces.len(),
+            area: member.area / self.total_area,
+            charts: member.charts.len(),
+            is_forced: member.is_forced,
+            is_flat: member.map.is_some(),
+            ..PatchInfo::default()
+        };
+        if let Some(map) = &member.map {
+            info.area_total = map.measures.area_total;
+            info.area_absolute = map.measures.area_absolute;
+            info.l2_stretch = map.measures.l2_stretch;
+            info.l2_stretch_normalized = map.measures.l2_stretch_normalized;
+            info.angle_error = map.angle_error;
+            info.closure_error = map.closure_error;
+            info.loops = map.loops;
+        }
+        info
+    }
+
+    pub(super) fn limits_of(&self, member: &Member) -> Limits {
+        if member.is_forced {
+            Limits { rigid_steps: self.limits().rigid_steps, ..Limits::none(&self.params) }
+        } else {
+            self.limits()
+        }
+    }
+
+    fn report(&self) -> StepReport {
+        StepReport {
+            step: self.step,
+            energy: vec![
+                ("patches", self.state.patches.len() as f64),
+                ("seam length", self.state.seam_length),
+                ("dart length", self.state.dart_length),
+                ("pairs to try", self.pending.len() as f64),
+            ],
+            residual: 0.0,
+            progress: None,
+            status: self.status,
+        }
+    }
+}
+
+impl Flow for MergeFlow {
+    type State = MergeState;
+
+    fn state(&self) -> &MergeState {
+        &self.state
+    }
+
+    /// Some trials or one merge; one patch zipped; or the check.
+    fn step(&mut self) -> Result<StepReport, SolveError> {
+        if self.status != Status::Running {
+            return Ok(self.report());
+        }
+        match self.state.phase {
+            MergePhase::Merging => match self.params.strategy {
+                MergeStrategy::BestFirst => self.best_first_step(),
+                MergeStrategy::Paper => self.paper_step(),
+            },
+            MergePhase::Zipping => self.zip_step(),
+            MergePhase::Checking => {
+                self.check()?;
+                self.state.phase = MergePhase::Done;
+                self.status = Status::Converged;
+            }
+            MergePhase::Done => {}
+        }
+        self.state.trials = self.bench.trials;
+        self.step += 1;
+        Ok(self.report())
+    }
+}
+
+/// A number for each chart and each edge, by the mixing steps of SplitMix64 (Steele, Lea, Flood 2014), twice.
+fn hash(kind: u32, number: u32) -> u128 {
+    let mix = |seed: u64| {
+        let mut z = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    };
+    let name = u64::from(kind) << 32 | u64::from(number);
+    u128::from(mix(2 * name + 1)) << 64 | u128::from(mix(2 * name + 2))
+}
