@@ -111,6 +111,7 @@ pub enum SolveError {
         epsilon: f64,
         /// Twice the mean edge length, at area 4π.
         floor: f64,
+    },
     /// A patch that was accepted is not what it was said to be when it is flattened anew.
     #[error("the patch of face {} does not pass when it is flattened anew", .face.0)]
     PatchCheck {

@@ -302,13 +302,13 @@ pub fn develop(args: &DevelopArgs) -> Result<(), Problem> {
 
 fn print_patches(report: &DevelopReport) {
     say!(
-        "{} after {} steps: {} first pieces merged to {}, seam {:.4}, {} darts",
+        "{} after {} steps: {} first pieces merged to {}, seam {:.4}, darts {:.4}",
         report.status,
         report.steps,
         report.vsa_charts,
         report.patches.len(),
         report.seam_length,
-        report.darts,
+        report.dart_length,
     );
     for (i, patch) in report.patches.iter().enumerate() {
         say!(

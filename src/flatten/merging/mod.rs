@@ -17,9 +17,11 @@ mod network;
 mod params;
 mod split;
 mod state;
+mod tighten;
 mod trial;
 
 pub use flow::{MergeFlow, ParamsChange};
 pub use params::{AreaMeasure, MergeParams, MergeStrategy, MergeWishes};
 pub use state::{MergePhase, MergeState, PatchInfo};
+pub use tighten::{TightenCheckpoint, TightenFlow, TightenState};
 pub use trial::Reject;

@@ -1,15 +1,30 @@
-//! Developable patches at work.
+//! Developable patches at work: first pieces, tighter seams, merging, one stage after the other.
+
+use std::rc::Rc;
+use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::super::message::{Event, Row};
+use super::super::message::{Event, NoticeText, Row, Term};
+use super::super::report::FlattenReport;
 use super::super::surface::Surface;
-use super::super::text::Problem;
+use super::super::text::{Problem, plural};
 use super::super::work::Work;
-use super::report::not_divided;
-use super::{DevelopReport, DevelopSeconds, Inputs, Segmentation};
-use crate::mesh::CutMesh;
-use crate::methods::flow::Status;
+use super::report::{DevelopReport, DevelopSeconds, PatchRow, not_divided, status_word};
+use super::{Inputs, Segmentation, row};
+use crate::flatten::Flattening;
+use crate::flatten::merging::{
+    AreaMeasure, MergeFlow, MergeParams, MergePhase, MergeStrategy, MergeWishes, ParamsChange,
+    TightenFlow,
+};
+use crate::geometry::Geometry;
+use crate::mesh::{CutMesh, EdgeId, Mesh, OpenedMesh};
+use crate::methods::cutflow::Initial;
+use crate::methods::developable::{SmoothParams, TightenParams, VsaFlow, VsaParams, smoothed};
+use crate::methods::flow::{Flow, SolveError, Status};
+
+/// Paint from which a place counts as painted.
+const PAINTED: f64 = 0.5;
 
 /// How patches come about, stage by stage.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -31,71 +46,600 @@ pub struct DevelopStage {
     pub is_active: bool,
 }
 
+/// Developable patches of a document. Nothing is computed before the method is chosen.
 #[derive(Default)]
-pub struct Developable {}
+pub struct Developable {
+    run: Option<Run>,
+    /// Where to go on from, once there is time.
+    saved: Option<DevelopCheckpoint>,
+    /// What is asked for beside the limits, by hand.
+    hands: Hands,
+}
 
+/// What a person asks for, by the numbers of first pieces.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Hands {
+    apart: Vec<[u32; 2]>,
+    together: Vec<[u32; 2]>,
+}
+
+/// What a run is made for.
+#[derive(Clone, Debug, PartialEq)]
+struct Plan {
+    vsa: VsaParams,
+    tightens: bool,
+    smooths: bool,
+    merge: MergeParams,
+    /// What an edge costs beyond its length; empty for nothing.
+    factors: Rc<Vec<f64>>,
+    kept: Rc<Vec<EdgeId>>,
+}
+
+/// A run and where it is.
+struct Run {
+    plan: Plan,
+    hands: Hands,
+    mesh: Arc<Mesh>,
+    geometry: Arc<Geometry>,
+    /// What merging measures: the surface with smooth borders, or the surface.
+    merged_on: Arc<Geometry>,
+    stage: Stage,
+    /// Pieces and seam after the stages that are over.
+    after: [Option<(usize, f64)>; 3],
+    /// Charts that merging began with.
+    charts: Rc<Vec<u32>>,
+    steps: usize,
+    curve: Vec<Event>,
+}
+
+enum Stage {
+    Vsa(VsaFlow),
+    Tighten(TightenFlow),
+    Merge(MergeFlow),
+}
+
+/// What Undo goes back to: first pieces, and how many steps to repeat from there.
 #[derive(Clone)]
-pub struct DevelopCheckpoint {}
+pub struct DevelopCheckpoint {
+    plan: Plan,
+    hands: Hands,
+    steps: usize,
+}
+
+impl Run {
+    fn new(surface: &Surface, plan: Plan, hands: Hands) -> Result<Self, SolveError> {
+        let (mesh, geometry) = (surface.mesh.clone(), surface.geometry.clone());
+        let flow = VsaFlow::new(mesh.clone(), &geometry, plan.vsa)?;
+        let mut run = Self {
+            plan,
+            hands,
+            merged_on: geometry.clone(),
+            mesh,
+            geometry,
+            stage: Stage::Vsa(flow),
+            after: [None; 3],
+            charts: Rc::default(),
+            steps: 0,
+            curve: Vec::new(),
+        };
+        run.tell();
+        Ok(run)
+    }
+
+    /// Adds the present state to the curve.
+    fn tell(&mut self) {
+        let pieces = self.count() as f64;
+        let seam = self.seam();
+        let term = |name: &str, value: f64| Term { name: name.into(), value };
+        let terms = vec![term("Pieces / 10", pieces / 10.0)];
+        self.curve.push(Event::Energy { step: self.steps, total: seam, terms });
+    }
+
+    fn status(&self) -> Status {
+        match &self.stage {
+            Stage::Merge(flow) => flow.status(),
+            // Another stage follows.
+            _ => Status::Running,
+        }
+    }
+
+    fn face_charts(&self) -> &[u32] {
+        match &self.stage {
+            Stage::Vsa(flow) => &flow.state().face_charts,
+            Stage::Tighten(flow) => &flow.state().face_charts,
+            Stage::Merge(flow) => &flow.state().face_patches,
+        }
+    }
+
+    fn count(&self) -> usize {
+        match &self.stage {
+            Stage::Vsa(flow) => flow.state().count,
+            Stage::Tighten(flow) => count_of(&flow.state().face_charts),
+            Stage::Merge(flow) => flow.state().patches.len(),
+        }
+    }
+
+    fn seam(&self) -> f64 {
+        match &self.stage {
+            Stage::Vsa(flow) => border(&self.mesh, &self.geometry, &flow.state().face_charts),
+            Stage::Tighten(flow) => flow.state().seam_length,
+            Stage::Merge(flow) => flow.state().seam_length,
+        }
+    }
+
+    fn wishes(&self) -> MergeWishes {
+        MergeWishes {
+            apart: self.hands.apart.clone(),
+            together: self.hands.together.clone(),
+            kept_edges: self.plan.kept.to_vec(),
+            symmetry: None,
+        }
+    }
+
+    fn step(&mut self) -> Result<(), SolveError> {
+        let next = match &mut self.stage {
+            Stage::Vsa(flow) => {
+                flow.step()?;
+                (flow.status() != Status::Running).then(|| flow.state().face_charts.clone())
+            }
+            Stage::Tighten(flow) => {
+                flow.step()?;
+                (flow.status() != Status::Running).then(|| flow.state().face_charts.clone())
+            }
+            Stage::Merge(flow) => {
+                flow.step()?;
+                None
+            }
+        };
+        self.steps += 1;
+        self.tell();
+        match next {
+            Some(charts) => self.next_stage(charts),
+            None => Ok(()),
+        }
+    }
+
+    /// Goes on to what follows, where the stage is over.
+    fn next_stage(&mut self, charts: Vec<u32>) -> Result<(), SolveError> {
+        let now = (self.count(), self.seam());
+        let is_vsa = matches!(self.stage, Stage::Vsa(_));
+        self.after[usize::from(!is_vsa)] = Some(now);
+        if is_vsa && self.plan.tightens {
+            let flow = TightenFlow::new(
+                self.mesh.clone(),
+                self.geometry.clone(),
+                &charts,
+                TightenParams::default(),
+                &self.plan.merge,
+                &self.plan.factors,
+            );
+            if flow.status() == Status::Running {
+                self.stage = Stage::Tighten(flow);
+                return Ok(());
+            }
+        }
+        if self.plan.smooths {
+            let places = smoothed(&self.mesh, &self.geometry, &charts, &SmoothParams::default())?;
+            self.merged_on = Arc::new(Geometry::measure(&self.mesh, places));
+        }
+        self.charts = Rc::new(charts);
+        let flow = MergeFlow::new(
+            self.mesh.clone(),
+            self.merged_on.clone(),
+            &self.charts,
+            self.plan.merge,
+            self.wishes(),
+        )?;
+        self.stage = Stage::Merge(flow);
+        Ok(())
+    }
+}
 
 impl Developable {
+    /// What is needed to come back.
     pub fn checkpoint(&self) -> Option<DevelopCheckpoint> {
-        None
+        match &self.run {
+            Some(run) => Some(DevelopCheckpoint {
+                plan: run.plan.clone(),
+                hands: run.hands.clone(),
+                steps: run.steps,
+            }),
+            None => self.saved.clone(),
+        }
     }
-    pub fn put_back(&mut self, _: Option<DevelopCheckpoint>) {}
-    pub fn keep(&mut self, _: Self) {}
-    pub fn cut_start(&self) -> Option<crate::methods::cutflow::Initial> {
-        None
+
+    /// Where to go on from.
+    pub fn put_back(&mut self, checkpoint: Option<DevelopCheckpoint>) {
+        self.hands = checkpoint.as_ref().map(|c| c.hands.clone()).unwrap_or_default();
+        self.saved = checkpoint;
     }
+
+    /// What of an earlier state of the same surface stays: a run that is where this one goes back to.
+    pub fn keep(&mut self, old: Self) {
+        let Some(saved) = &self.saved else { return };
+        let is_there = |run: &Run| {
+            run.plan == saved.plan && run.hands == saved.hands && run.steps == saved.steps
+        };
+        if let Some(run) = old.run.filter(is_there) {
+            self.run = Some(run);
+            self.saved = None;
+        }
+    }
+
+    /// The pieces as the start of a cut flow: every vertex has the piece of most of the area about it.
+    pub fn cut_start(&self) -> Option<Initial> {
+        self.labels().map(Initial::Labels)
+    }
+
+    /// The stage that the next step belongs to.
     pub fn stage(&self) -> Option<&'static str> {
-        None
+        Some(match self.run.as_ref()?.stage {
+            Stage::Vsa(_) => "vsa",
+            Stage::Tighten(_) => "refine",
+            Stage::Merge(_) => "merge",
+        })
+    }
+
+    /// Joins two pieces or keeps them apart, from the first pieces on. **Takes** a face of either.
+    ///
+    /// **Gives** whether there is something to join.
+    pub fn sew(&mut self, faces: [usize; 2], joins: bool) -> bool {
+        let Some(run) = self.run.as_ref().filter(|run| matches!(run.stage, Stage::Merge(_))) else {
+            return false;
+        };
+        let pair = faces.map(|f| run.charts[f]);
+        if pair[0] == pair[1] {
+            return false;
+        }
+        let is_other = |other: &[u32; 2]| *other != pair && *other != [pair[1], pair[0]];
+        self.hands.apart.retain(is_other);
+        self.hands.together.retain(is_other);
+        if joins {
+            self.hands.together.push(pair);
+        } else {
+            self.hands.apart.push(pair);
+        }
+        true
+    }
+
+    /// The opened patches with the very maps that they were accepted with, where merging is over.
+    pub fn maps(&self) -> Option<(CutMesh, OpenedMesh, Flattening)> {
+        let Stage::Merge(flow) = &self.run.as_ref()?.stage else { return None };
+        let cut = flow.cut_mesh();
+        let (opened, _, flattening) = flow.flattening().ok()?;
+        Some((cut, opened, flattening))
     }
 }
 
 impl Segmentation for Developable {
-    fn prepare(&mut self, _: &Inputs) -> Result<bool, Problem> {
-        Ok(false)
+    fn prepare(&mut self, inputs: &Inputs) -> Result<bool, Problem> {
+        let wrong = |error| Problem::solve(&inputs.surface.name, &error);
+        let plan = plan(inputs);
+        plan.vsa.validate().and_then(|()| plan.merge.validate()).map_err(wrong)?;
+        if let Some(saved) = self.saved.take() {
+            let mut run = Run::new(inputs.surface, saved.plan, saved.hands).map_err(wrong)?;
+            while run.steps < saved.steps && run.status() == Status::Running {
+                run.step().map_err(wrong)?;
+            }
+            self.run = Some(run);
+        }
+        let Some(run) = self.run.as_mut().filter(|run| keeps_charts(&run.plan, &plan)) else {
+            let run = Run::new(inputs.surface, plan, self.hands.clone()).map_err(wrong)?;
+            self.run = Some(run);
+            return Ok(true);
+        };
+        let has_changed = run.plan != plan || run.hands != self.hands;
+        if !has_changed {
+            return Ok(false);
+        }
+        let is_merge = run.plan.merge != plan.merge;
+        let is_wish = run.hands != self.hands || run.plan.kept != plan.kept;
+        run.plan = plan;
+        run.hands = self.hands.clone();
+        let wishes = run.wishes();
+        if let Stage::Merge(flow) = &mut run.stage {
+            if is_merge {
+                let change = flow.set_params(run.plan.merge).map_err(wrong)?;
+                if change == ParamsChange::Restarted {
+                    run.curve.truncate(1);
+                }
+            }
+            if is_wish {
+                flow.set_wishes(wishes).map_err(wrong)?;
+            }
+        }
+        Ok(true)
     }
-    fn begin_again(&mut self) {}
-    fn step(&mut self, _: &Inputs) -> Result<(), Problem> {
-        Ok(())
+
+    fn begin_again(&mut self) {
+        *self = Self::default();
     }
+
+    fn step(&mut self, inputs: &Inputs) -> Result<(), Problem> {
+        let Some(run) = &mut self.run else { return Ok(()) };
+        run.step().map_err(|error| Problem::solve(&inputs.surface.name, &error))
+    }
+
     fn steps(&self) -> usize {
-        0
+        self.run.as_ref().map_or(0, |run| run.steps)
     }
+
     fn status(&self) -> Option<Status> {
-        None
+        self.run.as_ref().map(Run::status)
     }
+
     fn doing(&self) -> String {
-        String::new()
+        let Some(run) = &self.run else { return String::new() };
+        let pieces = plural(run.count(), "piece");
+        match &run.stage {
+            Stage::Vsa(_) => format!("{pieces}, growing"),
+            Stage::Tighten(flow) => {
+                format!("seam {} of {} tightened", flow.state().tried, flow.pair_count())
+            }
+            Stage::Merge(flow) => match flow.state().phase {
+                MergePhase::Merging => format!("{pieces}, merging"),
+                MergePhase::Zipping => format!("{pieces}, closing darts that are not needed"),
+                MergePhase::Checking | MergePhase::Done => format!("{pieces}, checking all"),
+            },
+        }
     }
+
     fn labels(&self) -> Option<Vec<u32>> {
-        None
+        let run = self.run.as_ref()?;
+        Some(vertex_labels(&run.mesh, &run.geometry, run.face_charts()))
     }
+
     fn cut(&self, _: &Surface) -> Result<Option<CutMesh>, Problem> {
-        Ok(None)
+        let Some(run) = &self.run else { return Ok(None) };
+        Ok(Some(match &run.stage {
+            Stage::Merge(flow) => flow.cut_mesh(),
+            _ => {
+                let mut cut = CutMesh::uncut(&run.mesh);
+                let charts = run.face_charts();
+                let edges = run.mesh.edges().filter(|&e| parts(&run.mesh, charts, e));
+                cut.cut_edges =
+                    edges.map(|e| run.mesh.edge_vertices(e).map(|v| v.0)).collect();
+                cut
+            }
+        }))
     }
+
     fn curve(&self) -> &[Event] {
-        &[]
+        self.run.as_ref().map_or(&[], |run| &run.curve)
     }
+
     fn rows(&self) -> Vec<Row> {
-        Vec::new()
+        let Some(run) = &self.run else { return Vec::new() };
+        let Stage::Merge(flow) = &run.stage else { return Vec::new() };
+        let state = flow.state();
+        let worst = |of: fn(&crate::flatten::merging::PatchInfo) -> f64| {
+            state.patches.iter().map(of).fold(0.0, f64::max)
+        };
+        let first = run.after[0].map_or(f64::NAN, |(pieces, _)| pieces as f64);
+        vec![
+            row("first_pieces", "First pieces", "", first),
+            row("dart_length", "Darts", "√A", state.dart_length),
+            row("worst_total", "Area change, worst piece", "%", 100.0 * worst(|p| p.area_total)),
+            row("worst_area", "anywhere in it", "%", 100.0 * worst(|p| p.area_absolute)),
+        ]
     }
-    fn field(&self, _: &str) -> Option<Vec<f64>> {
-        None
+
+    fn field(&self, id: &str) -> Option<Vec<f64>> {
+        let run = self.run.as_ref()?;
+        if id != "normal_error" {
+            return None;
+        }
+        let errors = normal_errors(&run.mesh, &run.geometry, run.face_charts());
+        Some(super::super::surface::face_to_vertex(&run.mesh, &run.geometry, &errors))
     }
+
     fn notes(&self) -> Vec<String> {
-        Vec::new()
+        let Some(Run { stage: Stage::Merge(flow), .. }) = &self.run else { return Vec::new() };
+        let state = flow.state();
+        let mut notes = Vec::new();
+        if state.splits > 0 {
+            notes.push(format!(
+                "{} did not lie flat and {} divided first.",
+                plural(state.splits, "first piece"),
+                if state.splits == 1 { "was" } else { "were" }
+            ));
+        }
+        let bent = state.patches.iter().filter(|patch| !patch.is_flat).count();
+        if bent > 0 {
+            notes.push(format!(
+                "{} cannot be laid flat without folds: look at the mesh there.",
+                plural(bent, "piece")
+            ));
+        }
+        let forced = state.patches.iter().filter(|patch| patch.is_forced).count();
+        if forced > 0 {
+            notes.push(format!(
+                "{} joined by hand, whatever the limits say.",
+                if forced == 1 { "1 piece is".to_owned() } else { format!("{forced} pieces are") }
+            ));
+        }
+        if !state.refused.is_empty() {
+            notes.push(format!(
+                "{} could not be joined: there is no map without folds or overlaps.",
+                plural(state.refused.len(), "pair")
+            ));
+        }
+        notes
     }
+
     fn told(&self) -> Option<Event> {
-        None
+        let run = self.run.as_ref()?;
+        let now = Some((run.count(), run.seam()));
+        let number = match run.stage {
+            Stage::Vsa(_) => 0,
+            Stage::Tighten(_) => 1,
+            Stage::Merge(_) => 2,
+        };
+        let is_running = run.status() == Status::Running;
+        let labels = [
+            ("First pieces", true),
+            ("Tighter seams", run.plan.tightens),
+            ("Merged", true),
+        ];
+        let stage = |(i, (label, _)): (usize, &(&str, bool))| {
+            let numbers = if i == number { now } else { run.after[i] };
+            DevelopStage {
+                label: (*label).into(),
+                pieces: numbers.map(|(pieces, _)| pieces),
+                seam: numbers.map(|(_, seam)| seam),
+                is_active: is_running && i == number,
+            }
+        };
+        let shown = labels.iter().enumerate().filter(|(_, (_, is_asked))| *is_asked);
+        Some(Event::Patches(DevelopTable { stages: shown.map(stage).collect() }))
     }
 }
 
+/// Whether first pieces are the same.
+fn keeps_charts(old: &Plan, new: &Plan) -> bool {
+    let only_charts = |plan: &Plan| Plan {
+        merge: MergeParams::default(),
+        kept: Rc::default(),
+        ..plan.clone()
+    };
+    only_charts(old) == only_charts(new)
+}
+
+/// What parameters and paint ask for.
+fn plan(inputs: &Inputs) -> Plan {
+    let Inputs { surface, settings, layers } = *inputs;
+    let mesh = &surface.mesh;
+    let price = settings.number("seam_price");
+    let paint = |layer: &[f64], e: EdgeId| {
+        let [a, b] = mesh.edge_vertices(e).map(|v| layer.get(v.index()).copied().unwrap_or(0.0));
+        a.min(b)
+    };
+    let factors = if layers.penalty.is_empty() {
+        Vec::new()
+    } else {
+        mesh.edges().map(|e| 1.0 + price * paint(&layers.penalty, e)).collect()
+    };
+    let is_kept = |e: &EdgeId| paint(&layers.seams, *e) >= PAINTED;
+    let kept = if layers.seams.is_empty() {
+        Vec::new()
+    } else {
+        mesh.edges().filter(is_kept).collect()
+    };
+    Plan {
+        vsa: VsaParams { tolerance: settings.number("vsa_tolerance"), ..VsaParams::default() },
+        tightens: settings.is_on("min_cut"),
+        smooths: settings.is_on("denoise"),
+        merge: MergeParams {
+            strategy: match settings.text("merge_strategy") {
+                "paper" => MergeStrategy::Paper,
+                _ => MergeStrategy::BestFirst,
+            },
+            measure: match settings.text("merge_measure") {
+                "total" => AreaMeasure::Total,
+                _ => AreaMeasure::Absolute,
+            },
+            area_limit: settings.number("area_limit") / 100.0,
+            l2_limit: settings.number("stretch_limit"),
+            darts: super::super::params::whole(settings.number("darts")),
+            max_patch_area: settings.number("patch_limit") / 100.0,
+            ..MergeParams::default()
+        },
+        factors: Rc::new(factors),
+        kept: Rc::new(kept),
+    }
+}
+
+/// Whether an edge lies between two charts.
+fn parts(mesh: &Mesh, charts: &[u32], e: EdgeId) -> bool {
+    let h = e.halfedge();
+    match (mesh.face(h), mesh.face(h.twin())) {
+        (Some(f), Some(g)) => charts[f.index()] != charts[g.index()],
+        _ => false,
+    }
+}
+
+/// Length of all edges between charts.
+fn border(mesh: &Mesh, geometry: &Geometry, charts: &[u32]) -> f64 {
+    let edges = mesh.edges().filter(|&e| parts(mesh, charts, e));
+    edges.map(|e| geometry.edge_length(e)).sum()
+}
+
+fn count_of(charts: &[u32]) -> usize {
+    charts.iter().max().map_or(0, |&most| most as usize + 1)
+}
+
+/// For each vertex the chart of most of the area about it.
+fn vertex_labels(mesh: &Mesh, geometry: &Geometry, charts: &[u32]) -> Vec<u32> {
+    let label = |v| {
+        let mut votes: Vec<(u32, f64)> = Vec::new();
+        for f in mesh.outgoing(v).filter_map(|h| mesh.face(h)) {
+            let (chart, area) = (charts[f.index()], geometry.face_areas[f.index()]);
+            match votes.iter_mut().find(|(other, _)| *other == chart) {
+                Some((_, sum)) => *sum += area,
+                None => votes.push((chart, area)),
+            }
+        }
+        let most = votes.into_iter().max_by(|(a, x), (b, y)| x.total_cmp(y).then(b.cmp(a)));
+        most.map_or(0, |(chart, _)| chart)
+    };
+    mesh.vertices().map(label).collect()
+}
+
+/// For each face |n − N|², N the mean normal of its chart.
+fn normal_errors(mesh: &Mesh, geometry: &Geometry, charts: &[u32]) -> Vec<f64> {
+    let normals = geometry.face_normals(mesh);
+    let mut sums = vec![nalgebra::Vector3::zeros(); count_of(charts)];
+    for f in mesh.faces() {
+        sums[charts[f.index()] as usize] += normals[f.index()] * geometry.face_areas[f.index()];
+    }
+    let mean = |chart: u32| sums[chart as usize].try_normalize(0.0);
+    mesh.faces()
+        .map(|f| match mean(charts[f.index()]) {
+            Some(mean) => (normals[f.index()] - mean).norm_squared(),
+            None => 0.0,
+        })
+        .collect()
+}
+
 impl Work {
+    /// The report of `cutflow develop`.
     pub(in super::super) fn develop_report(
         &self,
-        _: Option<DevelopSeconds>,
+        seconds: Option<DevelopSeconds>,
     ) -> Result<DevelopReport, Problem> {
-        Err(not_divided(self))
+        let (Some(run), Some(layout)) = (&self.develop.run, &self.layout) else {
+            return Err(not_divided(self));
+        };
+        let (patches, darts): (Vec<PatchRow>, f64) = match &run.stage {
+            Stage::Merge(flow) => {
+                let state = flow.state();
+                let row = |patch: &crate::flatten::merging::PatchInfo| PatchRow {
+                    faces: patch.faces,
+                    area: patch.area,
+                    area_change: patch.area_total,
+                    area_change_abs: patch.area_absolute,
+                    l2_stretch: patch.l2_stretch,
+                    overlap: !patch.is_flat,
+                    loops: patch.loops,
+                };
+                (state.patches.iter().map(row).collect(), state.dart_length)
+            }
+            _ => (Vec::new(), 0.0),
+        };
+        let notes = self.develop.notes().into_iter();
+        let notes = notes.map(|text| NoticeText::new("developable", 1, text));
+        Ok(DevelopReport {
+            vertices: self.document.summary.vertices,
+            faces: self.document.summary.faces,
+            vsa_charts: run.after[0].map_or(run.count(), |(pieces, _)| pieces),
+            patches,
+            seam_length: run.seam(),
+            dart_length: darts,
+            steps: run.steps,
+            status: status_word(Some(run.status())),
+            flattening: FlattenReport::new(layout, None),
+            notices: self.notices(layout).into_iter().chain(notes).collect(),
+            seconds,
+        })
     }
 }

@@ -73,7 +73,35 @@ impl Session {
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        let _ = (work, patches, joins, events);
+        let layout = work.layout.as_ref().filter(|_| work.method == Method::Developable);
+        let faces = layout.and_then(|layout| {
+            let face = |patch: usize| {
+                let f = layout.opened.face_patches.iter().position(|&p| p as usize == patch)?;
+                Some(layout.cut.triangle_faces[f].index())
+            };
+            Some([face(patches[0])?, face(patches[1])?])
+        });
+        let Some(faces) = faces.filter(|_| patches[0] != patches[1]) else {
+            return Err(Problem::new(
+                "There are no two pieces to sew.",
+                "Join or keep apart.",
+                "Choose two pieces of developable patches.",
+            ));
+        };
+        let label = if joins { "join two pieces" } else { "keep two pieces apart" };
+        self.remember(label, label);
+        if let Some(work) = &mut self.work
+            && !work.develop.sew(faces, joins)
+        {
+            return Err(Problem::new(
+                "These pieces cannot be sewn yet.",
+                "Join or keep apart.",
+                "Run first, then choose two different pieces.",
+            ));
+        }
+        self.segment_follow(events)?;
+        events.push(self.history_event());
+        events.push(self.status());
         Ok(())
     }
 }

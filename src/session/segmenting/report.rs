@@ -60,8 +60,8 @@ pub struct DevelopReport {
     pub patches: Vec<PatchRow>,
     /// Length of all seams, darts included, each counted once.
     pub seam_length: f64,
-    /// Cuts that end inside a piece.
-    pub darts: usize,
+    /// Length of the cuts inside pieces.
+    pub dart_length: f64,
     /// Steps made.
     pub steps: usize,
     /// `converged` or `paused`.
