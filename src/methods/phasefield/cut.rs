@@ -27,9 +27,7 @@ impl PhaseFieldState {
     ///
     /// **Takes** a triangulation with the vertices of the fields, whatever its edges.
     pub fn cut_mesh_on(&self, mesh: &Mesh, geometry: &Geometry) -> CutMesh {
-        labelled_cut(mesh, geometry, &self.labels(), |ends| {
-            self.crossing(ends.map(|v| v.index()))
-        })
+        labelled_cut(mesh, geometry, &self.labels(), |ends| self.crossing(ends.map(|v| v.index())))
     }
 
     /// The leaves as the start of a cut flow: level sets where there are two, labels with level sets nearby where there are more.
@@ -99,9 +97,8 @@ impl PhaseFieldState {
         let sides = self.sides(node);
         let (mesh, geometry) = (&*domain.mesh, &*domain.geometry);
         let frames = Frames::new(mesh, geometry);
-        let place = |e: EdgeId| {
-            self.crossing(mesh.edge_vertices(e).map(|v| v.index())).unwrap_or(0.5)
-        };
+        let place =
+            |e: EdgeId| self.crossing(mesh.edge_vertices(e).map(|v| v.index())).unwrap_or(0.5);
         let cut = Cut::of_labels(mesh, &frames, &sides, place);
         let length: f64 =
             cut.segments.iter().filter(|s| s.labels == [0, 1]).map(|s| s.length).sum();

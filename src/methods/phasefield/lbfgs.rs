@@ -179,13 +179,7 @@ impl Descent {
         Ok(Trial { t, slope: dot(&gradient, direction), at, gradient })
     }
 
-    fn accept(
-        &mut self,
-        domain: &Domain,
-        objective: &Objective,
-        direction: &[f64],
-        trial: Trial,
-    ) {
+    fn accept(&mut self, domain: &Domain, objective: &Objective, direction: &[f64], trial: Trial) {
         let s: Vec<f64> = direction.iter().map(|d| trial.t * d).collect();
         let y: Vec<f64> = trial.gradient.iter().zip(&self.gradient).map(|(a, b)| a - b).collect();
         let size = |x: &[f64]| -> f64 { dot(x, x) };

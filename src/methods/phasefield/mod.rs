@@ -28,7 +28,9 @@ mod terms;
 mod tests;
 
 pub use cut::PhaseMeasures;
-pub use flow::{EpsilonTooSmall, PhaseFieldCheckpoint, PhaseFieldFlow, epsilon_floor, length_scale};
+pub use flow::{
+    EpsilonTooSmall, PhaseFieldCheckpoint, PhaseFieldFlow, epsilon_floor, length_scale,
+};
 pub use objective::SplitTerms;
 pub use params::{PhaseFieldParams, Screening, Start};
 pub use state::{PhaseFieldState, PhaseNode};

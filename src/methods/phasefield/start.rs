@@ -89,7 +89,8 @@ fn across(
     params: &PhaseFieldParams,
     steepness: f64,
 ) -> Vec<f64> {
-    let mean: Vector3<f64> = vectors.iter().zip(mw).map(|(x, m)| x * *m).sum::<Vector3<f64>>() / whole;
+    let mean: Vector3<f64> =
+        vectors.iter().zip(mw).map(|(x, m)| x * *m).sum::<Vector3<f64>>() / whole;
     let mut spread = Matrix3::zeros();
     for (x, m) in vectors.iter().zip(mw) {
         let d = x - mean;

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::super::flow::Status;
 use super::objective::SplitTerms;
 use super::profile::indicator;
-use super::super::flow::Status;
 
 /// A segment, and how it is split if it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,8 +162,13 @@ impl PhaseFieldState {
         while let Some(node) = stack.pop() {
             let Some(children) = self.nodes[node].children else { continue };
             let (w, u) = (self.nodes[node].weight.clone(), self.nodes[node].u.clone());
-            let positive: Vec<f64> = w.iter().zip(&*u).map(|(w, &u)| w * indicator(u).0).collect();
-            let negative = w.iter().zip(&*u).map(|(w, &u)| w * indicator(-u).0).collect();
+            let mut positive = Vec::with_capacity(u.len());
+            let mut negative = Vec::with_capacity(u.len());
+            for (w, &u) in w.iter().zip(&*u) {
+                let chi = indicator(u).0;
+                positive.push(w * chi);
+                negative.push(w * (1.0 - chi));
+            }
             self.nodes[children[0]].weight = Arc::new(positive);
             self.nodes[children[1]].weight = Arc::new(negative);
             stack.extend(children);

@@ -2,8 +2,8 @@
 
 mod values;
 
-use cutflow::mesh::Mesh;
 use cutflow::geometry::Geometry;
+use cutflow::mesh::Mesh;
 use cutflow::methods::flow::{Flow, Status};
 use cutflow::methods::phasefield::{PhaseFieldFlow, PhaseFieldParams};
 
