@@ -103,15 +103,20 @@ impl PhaseFieldState {
         self.nodes[node].u[v] >= 0.0
     }
 
+    /// The splits above a segment, each with whether the segment lies on its positive side.
+    pub(super) fn path(&self, mut node: usize) -> Vec<(usize, bool)> {
+        let mut path = Vec::new();
+        while let Some(parent) = self.nodes[node].parent {
+            let is_positive = self.nodes[parent].children.is_some_and(|c| c[0] == node);
+            path.push((parent, is_positive));
+            node = parent;
+        }
+        path
+    }
+
     /// For each vertex the side of a split that it lies in (0 positive, 1 negative), 2 outside of the segment.
     pub(super) fn sides(&self, node: usize) -> Vec<u32> {
-        let mut path = Vec::new();
-        let mut below = node;
-        while let Some(parent) = self.nodes[below].parent {
-            let is_positive = self.nodes[parent].children.is_some_and(|c| c[0] == below);
-            path.push((parent, is_positive));
-            below = parent;
-        }
+        let path = self.path(node);
         (0..self.nodes[0].weight.len())
             .map(|v| {
                 if path.iter().any(|&(at, side)| self.is_positive(at, v) != side) {

@@ -170,3 +170,45 @@ fn figures() {
         }
     }
 }
+
+#[test]
+#[ignore = "prints"]
+fn islands() {
+    for (omega, n) in [(2.0, 12), (5.0, 12), (10.0, 12)] {
+        for seed in 1..4 {
+            for is_connected in [false, true] {
+                let surface = Surface::sphere(n);
+                let params = PhaseFieldParams { epsilon: 0.2, omega, seed, start: Start::Random, starts: 1, is_connected, ..PhaseFieldParams::default() };
+                let flow = run(&surface, params);
+                let node = &flow.state().tree()[0];
+                let m = flow.measure(0).unwrap();
+                println!("w {omega} seed {seed} {is_connected} steps {} {:?} len {:.3} J {:.3} {:?} conn {:.2e}", flow.steps(), flow.status(), m.length, node.terms.yamabe, m.components, node.terms.connectedness);
+            }
+        }
+    }
+}
+
+#[test]
+#[ignore = "prints"]
+fn torus() {
+    use crate::surfaces::grid;
+    let tau = std::f64::consts::TAU;
+    let (points, triangles, _) = grid([120, 48], true, |s, t| {
+        let (a, b) = (tau * s, tau * t);
+        let r = 2.5 + b.cos();
+        [r * a.cos(), r * a.sin(), b.sin()]
+    });
+    let _ = (points, triangles);
+    for seed in 1..4 {
+        for start in [Start::Random, Start::Axes] {
+            for is_connected in [false, true] {
+                let surface = Surface::sample("torus");
+                let params = PhaseFieldParams { epsilon: 0.15, seed, start: start.clone(), starts: 1, is_connected, ..PhaseFieldParams::default() };
+                let Ok(_) = PhaseFieldFlow::new(surface.mesh.clone(), surface.geometry.clone(), params.clone()) else { println!("eps"); continue };
+                let flow = run(&surface, params);
+                let m = flow.measure(0).unwrap();
+                println!("{} {start:?} {is_connected} steps {} {:?} {:?} len {:.4} {:?}", surface.mesh.vertex_count(), flow.steps(), flow.status(), flow.epsilon_notice(), m.length, m.components);
+            }
+        }
+    }
+}
