@@ -43,7 +43,9 @@ impl PhaseFieldState {
         if let [root, ..] = &self.nodes[..]
             && self.leaves().len() == 2
         {
-            return Initial::Levels(root.u.iter().map(|&u| -distance(u)).collect());
+            // 0 is positive here, and is outside there.
+            let level = |&u: &f64| if u >= 0.0 { -distance(u).max(1e-12) } else { -distance(u) };
+            return Initial::Levels(root.u.iter().map(level).collect());
         }
         let mut labels = self.labels();
         let mut is_used = vec![false; self.leaves().len()];
@@ -137,9 +139,8 @@ impl PhaseFieldState {
             for &(above, is_positive) in &path {
                 let sign = if is_positive { 1.0 } else { -1.0 };
                 let field = &self.nodes[above].u;
-                let [a, b] = ends.map(|end| {
-                    sign * (0..3).map(|i| end[i] * field[corners[i]]).sum::<f64>()
-                });
+                let [a, b] =
+                    ends.map(|end| sign * (0..3).map(|i| end[i] * field[corners[i]]).sum::<f64>());
                 let zero = a / (a - b);
                 match (a >= 0.0, b >= 0.0) {
                     (true, true) => {}

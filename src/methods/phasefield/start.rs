@@ -7,8 +7,8 @@ use super::params::{PhaseFieldParams, Start};
 use crate::linalg::{Factor, LinalgError};
 use crate::methods::cutflow::uniform;
 
-/// Correlation length of noise in a segment of area 4π. Half of it makes twice the islands, which take a hundred
-/// iterations to grow together; twice of it hardly tells one seed from another.
+/// Correlation length of noise in a segment of area 4π: a few bumps across it. Much shorter, and the first iterations go into
+/// islands growing together; much longer, and seeds hardly differ.
 const NOISE_LENGTH: f64 = 0.3;
 
 /// One way to begin.

@@ -27,7 +27,7 @@ fn blob(rows: u32, around: u32) -> Domain {
         }
     }
     positions.push([0.0, 0.0, -0.9]);
-    let last = positions.len() as u32 - 1;
+    let last = (rows - 1) * around + 1;
     let at = |j: u32, i: u32| 1 + (j - 1) * around + i % around;
     let mut triangles = Vec::new();
     for i in 0..around {
