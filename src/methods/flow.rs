@@ -105,7 +105,9 @@ pub enum SolveError {
     #[error(transparent)]
     Cones(#[from] ConeError),
     /// An interface too thin for the triangles: it would stick to them.
-    #[error("an interface of width {epsilon} is too thin for the mesh: {floor} and more fit its edges")]
+    #[error(
+        "an interface of width {epsilon} is too thin for the mesh: {floor} and more fit its edges"
+    )]
     EpsilonTooSmall {
         /// What was asked for, at area 4π.
         epsilon: f64,

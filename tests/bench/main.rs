@@ -4,6 +4,7 @@
 
 mod charts;
 mod memory;
+mod phasefield;
 mod spheres;
 
 use std::sync::Arc;
@@ -385,6 +386,7 @@ fn main() {
     });
 
     rows.extend(charts::rows());
+    rows.extend(phasefield::rows());
     rows.extend(import_speeds());
 
     for row in &rows {

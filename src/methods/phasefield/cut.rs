@@ -27,9 +27,7 @@ impl PhaseFieldState {
     ///
     /// **Takes** a triangulation with the vertices of the fields, whatever its edges.
     pub fn cut_mesh_on(&self, mesh: &Mesh, geometry: &Geometry) -> CutMesh {
-        labelled_cut(mesh, geometry, &self.labels(), |ends| {
-            self.crossing(ends.map(|v| v.index()))
-        })
+        labelled_cut(mesh, geometry, &self.labels(), |ends| self.crossing(ends.map(|v| v.index())))
     }
 
     /// The leaves as the start of a cut flow: level sets where there are two, labels with level sets nearby where there are more.
@@ -45,7 +43,9 @@ impl PhaseFieldState {
         if let [root, ..] = &self.nodes[..]
             && self.leaves().len() == 2
         {
-            return Initial::Levels(root.u.iter().map(|&u| -distance(u)).collect());
+            // 0 is positive here, and is outside there.
+            let level = |&u: &f64| if u >= 0.0 { -distance(u).max(1e-12) } else { -distance(u) };
+            return Initial::Levels(root.u.iter().map(level).collect());
         }
         let mut labels = self.labels();
         let mut is_used = vec![false; self.leaves().len()];
@@ -99,18 +99,63 @@ impl PhaseFieldState {
         let sides = self.sides(node);
         let (mesh, geometry) = (&*domain.mesh, &*domain.geometry);
         let frames = Frames::new(mesh, geometry);
-        let place = |e: EdgeId| {
-            self.crossing(mesh.edge_vertices(e).map(|v| v.index())).unwrap_or(0.5)
-        };
+        let place =
+            |e: EdgeId| self.crossing(mesh.edge_vertices(e).map(|v| v.index())).unwrap_or(0.5);
         let cut = Cut::of_labels(mesh, &frames, &sides, place);
-        let length: f64 =
-            cut.segments.iter().filter(|s| s.labels == [0, 1]).map(|s| s.length).sum();
         let losses = sharp::losses(domain, &frames, &cut, &sides, 3)?;
         Ok(PhaseMeasures {
-            length: length * domain.scale,
+            length: self.interface_length(domain, &frames, node) * domain.scale,
             components: components(mesh, &sides),
             sharp: [losses[0], losses[1]],
         })
+    }
+}
+
+impl PhaseFieldState {
+    /// Length of the zero set of a split's field, linear on faces, where the fields above it have the signs of the segment.
+    fn interface_length(&self, domain: &Domain, frames: &Frames, node: usize) -> f64 {
+        let path = self.path(node);
+        let u = &self.nodes[node].u;
+        let mut length = 0.0;
+        for f in domain.mesh.faces() {
+            let corners = domain.triangles[f.index()].map(|v| v as usize);
+            let values = corners.map(|v| u[v]);
+            // Where the sides cross 0, as weights of the corners.
+            let mut ends = [[0.0; 3]; 2];
+            let mut found = 0;
+            for i in 0..3 {
+                let j = (i + 1) % 3;
+                if (values[i] >= 0.0) != (values[j] >= 0.0) && found < 2 {
+                    let t = values[i] / (values[i] - values[j]);
+                    ends[found][i] = 1.0 - t;
+                    ends[found][j] = t;
+                    found += 1;
+                }
+            }
+            if found < 2 {
+                continue;
+            }
+            let (mut from, mut to) = (0.0, 1.0);
+            for &(above, is_positive) in &path {
+                let sign = if is_positive { 1.0 } else { -1.0 };
+                let field = &self.nodes[above].u;
+                let [a, b] =
+                    ends.map(|end| sign * (0..3).map(|i| end[i] * field[corners[i]]).sum::<f64>());
+                let zero = a / (a - b);
+                match (a >= 0.0, b >= 0.0) {
+                    (true, true) => {}
+                    (true, false) => to = f64::min(to, zero),
+                    (false, true) => from = f64::max(from, zero),
+                    (false, false) => to = 0.0,
+                }
+            }
+            if from < to {
+                let places = frames.corners(f);
+                let [a, b] = ends.map(|e| places[0] * e[0] + places[1] * e[1] + places[2] * e[2]);
+                length += (to - from) * (b - a).norm();
+            }
+        }
+        length
     }
 }
 

@@ -79,7 +79,9 @@ struct Job {
     /// Whether unconnected phases cost already.
     is_connected: bool,
     descent: Descent,
+    /// The objective after every iteration, and how many of them belong to another one, before unconnected phases cost.
     history: Vec<f64>,
+    earlier: usize,
     best: Option<Best>,
 }
 
@@ -175,9 +177,8 @@ impl PhaseFieldFlow {
         let is_same = params.measures_like(&self.params);
         let progress = &mut self.progress;
         let levels = params.levels;
-        let is_cut_off = |job: &Job| {
-            job.members.iter().any(|&node| progress.state.nodes[node].level >= levels)
-        };
+        let is_cut_off =
+            |job: &Job| job.members.iter().any(|&node| progress.state.nodes[node].level >= levels);
         let keeps_job = is_same && !progress.job.as_ref().is_some_and(is_cut_off);
         progress.state.prune(levels);
         if !is_same {
@@ -229,6 +230,11 @@ impl PhaseFieldFlow {
     /// The split under way and the number of its start; the first of them where all are relaxed together. `None` at the end.
     pub fn current(&self) -> Option<(usize, usize)> {
         self.progress.job.as_ref().map(|job| (job.members[0], job.attempt))
+    }
+
+    /// Evaluations of the objective in the start under way: one and a little for each step.
+    pub fn evaluations(&self) -> usize {
+        self.progress.job.as_ref().map_or(0, |job| job.descent.evaluations)
     }
 
     /// Numeric factorisations so far, all by one analysis.
@@ -291,9 +297,8 @@ impl PhaseFieldFlow {
     fn begin_next(&mut self) -> Result<(), SolveError> {
         let whole: f64 = self.domain.mass.iter().sum();
         let nodes = &self.progress.state.nodes;
-        let is_worth_it = |weight: &[f64]| {
-            super::domain::dot(weight, &self.domain.mass) > SMALLEST * whole
-        };
+        let is_worth_it =
+            |weight: &[f64]| super::domain::dot(weight, &self.domain.mass) > SMALLEST * whole;
         let next = nodes.iter().position(|node| {
             node.level < self.params.levels && !node.is_settled && is_worth_it(&node.weight)
         });
@@ -356,6 +361,7 @@ impl PhaseFieldFlow {
             is_connected,
             descent,
             history,
+            earlier: 0,
             best,
         };
         self.objective = Some(objective);
@@ -389,8 +395,8 @@ impl PhaseFieldFlow {
         let value = job.descent.at.value.abs();
         let tolerance = self.params.tolerance;
         let count = job.history.len();
-        let is_settled =
-            count > WINDOW && job.history[count - 1 - WINDOW] - job.history[count - 1] < tolerance * value;
+        let is_settled = count > job.earlier + WINDOW
+            && job.history[count - 1 - WINDOW] - job.history[count - 1] < tolerance * value;
         Ok(if is_settled {
             Some(Status::Converged)
         } else if !moved {
@@ -417,7 +423,8 @@ impl PhaseFieldFlow {
         let Some(job) = &mut self.progress.job else { return Ok(false) };
         job.descent = descent;
         job.is_connected = true;
-        job.history = vec![job.descent.at.value];
+        job.earlier = job.history.len();
+        job.history.push(job.descent.at.value);
         self.objective = Some(objective);
         Ok(true)
     }

@@ -12,7 +12,7 @@
 //! All lengths, ε among them, are those of the surface scaled to area 4π. P is about √2 times the length of the interface, which
 //! [`PhaseMeasures::length`] gives with far less bias.
 //!
-//! **Differs** from the paper: see [`terms`]' files, and the constraint, which is kept exactly instead of by a penalty.
+//! **Differs** from the paper: each term's file says how; areas are kept exactly instead of by a penalty.
 
 mod cut;
 mod domain;
@@ -28,7 +28,9 @@ mod terms;
 mod tests;
 
 pub use cut::PhaseMeasures;
-pub use flow::{EpsilonTooSmall, PhaseFieldCheckpoint, PhaseFieldFlow, epsilon_floor, length_scale};
+pub use flow::{
+    EpsilonTooSmall, PhaseFieldCheckpoint, PhaseFieldFlow, epsilon_floor, length_scale,
+};
 pub use objective::SplitTerms;
 pub use params::{PhaseFieldParams, Screening, Start};
 pub use state::{PhaseFieldState, PhaseNode};

@@ -7,6 +7,7 @@
 use super::domain::{Domain, dot};
 use super::params::PhaseFieldParams;
 use super::profile::indicator;
+use super::terms::connected::Parts;
 use super::terms::perimeter::Perimeter;
 use super::terms::yamabe::Yamabe;
 use super::terms::{area, connected};
@@ -20,6 +21,8 @@ pub(super) struct Member {
     /// w, where it is given.
     pub weight: Vec<f64>,
     perimeter: Option<Perimeter>,
+    /// m w, where w is given.
+    measure: Vec<f64>,
 }
 
 /// The terms of one split.
@@ -85,12 +88,17 @@ impl Prices {
 impl Member {
     /// A split of a segment with this weight.
     pub fn given(weight: Vec<f64>) -> Self {
-        Self { parent: None, weight, perimeter: None }
+        Self { parent: None, weight, perimeter: None, measure: Vec::new() }
     }
 
     /// A split of a side of another member.
     pub fn below(parent: usize, sign: f64) -> Self {
-        Self { parent: Some((parent, sign)), weight: Vec::new(), perimeter: None }
+        Self {
+            parent: Some((parent, sign)),
+            weight: Vec::new(),
+            perimeter: None,
+            measure: Vec::new(),
+        }
     }
 }
 
@@ -107,6 +115,7 @@ impl Objective {
         for member in members.iter_mut().filter(|m| m.parent.is_none()) {
             let Prices { epsilon, sigma, .. } = prices;
             member.perimeter = Some(Perimeter::new(domain, &member.weight, epsilon, sigma));
+            member.measure = product(&domain.mass, &member.weight);
         }
         Self { members, prices, yamabe: Yamabe::default() }
     }
@@ -122,7 +131,9 @@ impl Objective {
         let mut u = trial.to_vec();
         let mut weights = vec![0.0; u.len()];
         let mut by_field = vec![0.0; u.len()];
-        let mut by_weight = vec![0.0; u.len()];
+        // Nobody asks for it where all weights are given.
+        let is_free = self.members.len() > 1;
+        let mut by_weight = vec![0.0; if is_free { u.len() } else { 0 }];
         let (mut value, mut terms) = (0.0, Vec::with_capacity(self.members.len()));
         for i in 0..self.members.len() {
             let own = i * n..(i + 1) * n;
@@ -136,12 +147,19 @@ impl Objective {
                 }
             }
             let w = &weights[own.clone()];
-            let mw: Vec<f64> = domain.mass.iter().zip(w).map(|(m, w)| m * w).collect();
+            let made;
+            let mw = if self.members[i].parent.is_none() {
+                &self.members[i].measure
+            } else {
+                made = product(&domain.mass, w);
+                &made
+            };
             let whole: f64 = mw.iter().sum();
             let target = self.prices.fraction * whole;
             let field = &mut u[own.clone()];
-            let excess = area::project(&mw, target, &directions[own.clone()], field);
-            let gradients = [&mut by_field[own.clone()], &mut by_weight[own.clone()]];
+            let excess = area::project(mw, target, &directions[own.clone()], field);
+            let by_own = if is_free { &mut by_weight[own.clone()] } else { &mut [][..] };
+            let gradients = [&mut by_field[own.clone()], by_own];
             let mut split = self.add_terms(domain, i, field, w, gradients)?;
             split.area_error = (excess / whole).abs();
             split.area_fraction = self.prices.fraction + excess / whole;
@@ -182,23 +200,25 @@ impl Objective {
         if !(omega > 0.0 || parts > 0.0) {
             return Ok(split);
         }
-        let (u_faces, w_faces) = (domain.face_means(u), domain.face_means(w));
+        let u_faces = domain.face_means(u);
+        let pieces = (parts > 0.0).then(|| Parts::new(domain, &u_faces, connected::edge(epsilon)));
+        if !(omega > 0.0) && pieces.as_ref().is_none_or(|p| p.counts.iter().all(|&c| c < 2)) {
+            return Ok(split);
+        }
+        let w_faces = domain.face_means(w);
         let mut face_gradients = [vec![0.0; u_faces.len()], vec![0.0; u_faces.len()]];
         for sign in [1.0, -1.0] {
             let [by_u, by_w] = &mut face_gradients;
-            if parts > 0.0 {
-                let signed: Vec<f64> = u_faces.iter().map(|u| sign * u).collect();
-                let mut by_signed = vec![0.0; signed.len()];
+            if let Some(pieces) = &pieces {
                 split.connectedness += connected::add(
                     domain,
-                    [&signed, &w_faces],
+                    [&u_faces, &w_faces],
+                    pieces,
+                    sign,
                     epsilon,
                     parts,
-                    [&mut by_signed, by_w],
+                    [by_u, by_w],
                 );
-                for (g, s) in by_u.iter_mut().zip(&by_signed) {
-                    *g += sign * s;
-                }
             }
             if omega > 0.0 {
                 let y: Vec<f64> = u.iter().zip(w).map(|(u, w)| w * indicator(sign * u).0).collect();
@@ -216,7 +236,9 @@ impl Objective {
                 for (v, g) in by_y.iter().enumerate() {
                     let (chi, slope) = indicator(sign * u[v]);
                     by_field[v] += g * w[v] * sign * slope;
-                    by_weight[v] += g * chi;
+                    if let Some(by_weight) = by_weight.get_mut(v) {
+                        *by_weight += g * chi;
+                    }
                 }
                 for (f, g) in by_y_face.iter().enumerate() {
                     by_u[f] += g * w_faces[f] * sign * chi[f].1;
@@ -228,7 +250,9 @@ impl Objective {
         for (f, t) in domain.triangles.iter().enumerate() {
             for &v in t {
                 by_field[v as usize] += by_u[f] / 3.0;
-                by_weight[v as usize] += by_w[f] / 3.0;
+                if let Some(by_weight) = by_weight.get_mut(v as usize) {
+                    *by_weight += by_w[f] / 3.0;
+                }
             }
         }
         Ok(split)
@@ -294,5 +318,9 @@ impl Objective {
         }
         diagonal
     }
+}
 
+/// Entry by entry.
+fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
 }

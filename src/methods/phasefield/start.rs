@@ -7,8 +7,8 @@ use super::params::{PhaseFieldParams, Start};
 use crate::linalg::{Factor, LinalgError};
 use crate::methods::cutflow::uniform;
 
-/// Correlation length of noise in a segment of area 4π. Half of it makes twice the islands, which take a hundred
-/// iterations to grow together; twice of it hardly tells one seed from another.
+/// Correlation length of noise in a segment of area 4π: a few bumps across it. Much shorter, and the first iterations go into
+/// islands growing together; much longer, and seeds hardly differ.
 const NOISE_LENGTH: f64 = 0.3;
 
 /// One way to begin.
@@ -89,7 +89,8 @@ fn across(
     params: &PhaseFieldParams,
     steepness: f64,
 ) -> Vec<f64> {
-    let mean: Vector3<f64> = vectors.iter().zip(mw).map(|(x, m)| x * *m).sum::<Vector3<f64>>() / whole;
+    let mean: Vector3<f64> =
+        vectors.iter().zip(mw).map(|(x, m)| x * *m).sum::<Vector3<f64>>() / whole;
     let mut spread = Matrix3::zeros();
     for (x, m) in vectors.iter().zip(mw) {
         let d = x - mean;

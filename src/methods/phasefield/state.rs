@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::super::flow::Status;
 use super::objective::SplitTerms;
 use super::profile::indicator;
-use super::super::flow::Status;
 
 /// A segment, and how it is split if it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,15 +103,20 @@ impl PhaseFieldState {
         self.nodes[node].u[v] >= 0.0
     }
 
+    /// The splits above a segment, each with whether the segment lies on its positive side.
+    pub(super) fn path(&self, mut node: usize) -> Vec<(usize, bool)> {
+        let mut path = Vec::new();
+        while let Some(parent) = self.nodes[node].parent {
+            let is_positive = self.nodes[parent].children.is_some_and(|c| c[0] == node);
+            path.push((parent, is_positive));
+            node = parent;
+        }
+        path
+    }
+
     /// For each vertex the side of a split that it lies in (0 positive, 1 negative), 2 outside of the segment.
     pub(super) fn sides(&self, node: usize) -> Vec<u32> {
-        let mut path = Vec::new();
-        let mut below = node;
-        while let Some(parent) = self.nodes[below].parent {
-            let is_positive = self.nodes[parent].children.is_some_and(|c| c[0] == below);
-            path.push((parent, is_positive));
-            below = parent;
-        }
+        let path = self.path(node);
         (0..self.nodes[0].weight.len())
             .map(|v| {
                 if path.iter().any(|&(at, side)| self.is_positive(at, v) != side) {
@@ -162,8 +167,13 @@ impl PhaseFieldState {
         while let Some(node) = stack.pop() {
             let Some(children) = self.nodes[node].children else { continue };
             let (w, u) = (self.nodes[node].weight.clone(), self.nodes[node].u.clone());
-            let positive: Vec<f64> = w.iter().zip(&*u).map(|(w, &u)| w * indicator(u).0).collect();
-            let negative = w.iter().zip(&*u).map(|(w, &u)| w * indicator(-u).0).collect();
+            let mut positive = Vec::with_capacity(u.len());
+            let mut negative = Vec::with_capacity(u.len());
+            for (w, &u) in w.iter().zip(&*u) {
+                let chi = indicator(u).0;
+                positive.push(w * chi);
+                negative.push(w * (1.0 - chi));
+            }
             self.nodes[children[0]].weight = Arc::new(positive);
             self.nodes[children[1]].weight = Arc::new(negative);
             stack.extend(children);

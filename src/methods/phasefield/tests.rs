@@ -6,6 +6,7 @@ use super::domain::{Domain, dot};
 use super::objective::{Member, Objective, Prices};
 use super::params::PhaseFieldParams;
 use super::profile::indicator;
+use super::terms::connected::{Parts, add, edge};
 use crate::geometry::Geometry;
 use crate::mesh::Mesh;
 
@@ -15,13 +16,18 @@ fn blob(rows: u32, around: u32) -> Domain {
     for j in 1..rows {
         let theta = std::f64::consts::PI * f64::from(j) / f64::from(rows);
         for i in 0..around {
-            let phi = std::f64::consts::TAU * (f64::from(i) + 0.37 * f64::from(j)) / f64::from(around);
+            let phi =
+                std::f64::consts::TAU * (f64::from(i) + 0.37 * f64::from(j)) / f64::from(around);
             let r = 1.0 + 0.15 * (2.0 * phi).sin() * theta.sin() + 0.1 * (3.0 * theta).cos();
-            positions.push([r * theta.sin() * phi.cos(), r * theta.sin() * phi.sin(), r * theta.cos()]);
+            positions.push([
+                r * theta.sin() * phi.cos(),
+                r * theta.sin() * phi.sin(),
+                r * theta.cos(),
+            ]);
         }
     }
     positions.push([0.0, 0.0, -0.9]);
-    let last = positions.len() as u32 - 1;
+    let last = (rows - 1) * around + 1;
     let at = |j: u32, i: u32| 1 + (j - 1) * around + i % around;
     let mut triangles = Vec::new();
     for i in 0..around {
@@ -106,21 +112,22 @@ fn connectedness_has_its_gradient_with_many_parts() {
     let u = bumps(&domain, 0.3);
     let faces = domain.face_means(&u);
     let epsilon: f64 = 0.2;
-    let (_, positive) = super::terms::connected::parts(&domain, &faces, 1.0 - epsilon.sqrt());
-    assert!(positive >= 3, "{positive} parts");
+    let parts = |u: &[f64]| Parts::new(&domain, u, edge(epsilon));
+    let counts = parts(&faces).counts;
+    assert!(counts.iter().all(|&c| c >= 3), "{counts:?} parts");
     let w = vec![1.0; faces.len()];
-    let value = |u: &[f64]| {
+    let value = |u: &[f64], sign: f64| {
         let (mut a, mut b) = (vec![0.0; u.len()], vec![0.0; u.len()]);
-        let c = super::terms::connected::add(&domain, [u, &w], epsilon, 1.0, [&mut a, &mut b]);
+        let c = add(&domain, [u, &w], &parts(u), sign, epsilon, 1.0, [&mut a, &mut b]);
         (c, a)
     };
-    let (total, gradient) = value(&faces);
-    assert!(total > 0.0);
-    for k in 1..6 {
+    for (k, sign) in (1..6).flat_map(|k| [(k, 1.0), (k, -1.0)]) {
+        let (total, gradient) = value(&faces, sign);
+        assert!(total > 0.0);
         let d: Vec<f64> = (0..faces.len()).map(|i| (1.3 * i as f64 * f64::from(k)).sin()).collect();
         let at = |t: f64| {
             let trial: Vec<f64> = faces.iter().zip(&d).map(|(u, d)| u + t * d).collect();
-            value(&trial).0
+            value(&trial, sign).0
         };
         let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
         let exact = dot(&gradient, &d);
@@ -133,10 +140,7 @@ fn connectedness_has_its_gradient_with_many_parts() {
 fn several_levels_together_have_their_gradient() {
     let domain = blob(18, 26);
     let fields = [bumps(&domain, 0.3), bumps(&domain, 1.7), bumps(&domain, 2.9)].concat();
-    for prices in [
-        prices(0.3),
-        Prices { omega: 2.0, parts: 3.0, fraction: 0.4, ..prices(0.3) },
-    ] {
+    for prices in [prices(0.3), Prices { omega: 2.0, parts: 3.0, fraction: 0.4, ..prices(0.3) }] {
         let members = vec![
             Member::given(vec![1.0; domain.len()]),
             Member::below(0, 1.0),

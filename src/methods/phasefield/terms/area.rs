@@ -31,7 +31,11 @@ pub(in super::super) fn project(mw: &[f64], target: f64, direction: &[f64], u: &
         if !(excess.abs() > tolerance) {
             break;
         }
-        if excess > 0.0 { high = c } else { low = c }
+        if excess > 0.0 {
+            high = c
+        } else {
+            low = c
+        }
         let newton = c - excess / slope;
         c = if newton > low && newton < high && (newton - c).abs() <= stride {
             newton

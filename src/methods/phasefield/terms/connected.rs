@@ -40,28 +40,38 @@ fn price(u: f64, e1: f64) -> (f64, f64) {
     (d * d, 2.0 * d)
 }
 
-/// Parts of {u > e₁}: for each face its part or [`NONE`], and their number.
-pub(in super::super) fn parts(domain: &Domain, u_faces: &[f64], e1: f64) -> (Vec<u32>, usize) {
-    let mut part = vec![NONE; u_faces.len()];
-    let mut stack = Vec::new();
-    let mut count = 0;
-    for start in 0..u_faces.len() {
-        if part[start] != NONE || !(u_faces[start] > e1) {
-            continue;
-        }
-        part[start] = count;
-        stack.push(start);
-        while let Some(f) = stack.pop() {
-            for g in domain.neighbours[f] {
-                if g != NONE && part[g as usize] == NONE && u_faces[g as usize] > e1 {
-                    part[g as usize] = count;
-                    stack.push(g as usize);
+/// Parts of {u > e₁} and of {u < −e₁}: for each face its part among those of its phase, or [`NONE`], and their numbers.
+pub(in super::super) struct Parts {
+    of: Vec<u32>,
+    pub counts: [usize; 2],
+}
+
+impl Parts {
+    /// Finds them. **Costs** one pass over the faces.
+    pub fn new(domain: &Domain, u: &[f64], e1: f64) -> Self {
+        let mut of = vec![NONE; u.len()];
+        let mut stack = Vec::new();
+        let mut counts = [0u32; 2];
+        for start in 0..u.len() {
+            if of[start] != NONE || !(u[start].abs() > e1) {
+                continue;
+            }
+            let sign = u[start].signum();
+            let count = &mut counts[usize::from(sign < 0.0)];
+            of[start] = *count;
+            stack.push(start);
+            while let Some(f) = stack.pop() {
+                for g in domain.neighbours[f] {
+                    if g != NONE && of[g as usize] == NONE && sign * u[g as usize] > e1 {
+                        of[g as usize] = *count;
+                        stack.push(g as usize);
+                    }
                 }
             }
+            *count += 1;
         }
-        count += 1;
+        Self { of, counts: counts.map(|c| c as usize) }
     }
-    (part, count as usize)
 }
 
 /// Shortest paths over faces from one part, in reused memory.
@@ -75,20 +85,25 @@ struct Paths {
 
 /// C of one phase; adds its gradient, times `factor`, by the values and the weights of faces.
 ///
-/// **Takes** the field at faces (its negative for the other phase) and the weights of faces in (0, 1]. **Costs** one pass over the faces where there is one part, else a Dijkstra tree for
-/// each part but the last.
+/// **Takes** the field and the weights in (0, 1] at faces, the field's parts, and the sign of the phase. **Costs** nothing where there is one part, else a
+/// Dijkstra tree for each part but the last.
 pub(in super::super) fn add(
     domain: &Domain,
-    [u, w]: [&[f64]; 2],
+    [field, w]: [&[f64]; 2],
+    parts: &Parts,
+    sign: f64,
     epsilon: f64,
     factor: f64,
     [by_value, by_weight]: [&mut [f64]; 2],
 ) -> f64 {
-    let e1 = edge(epsilon);
-    let (part, count) = parts(domain, u, e1);
+    let count = parts.counts[usize::from(sign < 0.0)];
     if count < 2 {
         return 0.0;
     }
+    let e1 = edge(epsilon);
+    let u: Vec<f64> = field.iter().map(|u| sign * u).collect();
+    let part: Vec<u32> =
+        parts.of.iter().zip(&u).map(|(&p, &u)| if u > e1 { p } else { NONE }).collect();
     let span = (1.0 - e1) / 2.0;
     let height = |f: usize| {
         let (h, slope) = smoothstep((u[f] - e1) / span);
@@ -202,12 +217,12 @@ pub(in super::super) fn add(
     for f in 0..faces {
         let (value, slope) = price(u[f], e1);
         let weight = w[f] + 1e-6;
-        by_value[f] += factor * by_cost[f] * slope / weight;
+        by_value[f] += sign * factor * by_cost[f] * slope / weight;
         by_weight[f] -= factor * by_cost[f] * value / (weight * weight);
         if part[f] != NONE {
             let change = factor * by_size[part[f] as usize] * domain.areas[f];
             let (h, h_slope) = height(f);
-            by_value[f] += change * w[f] * h_slope;
+            by_value[f] += sign * change * w[f] * h_slope;
             by_weight[f] += change * h;
         }
     }

@@ -36,7 +36,8 @@ impl Yamabe {
         solver.solve(&mut l, 1);
         for v in 0..s.len() {
             if !domain.is_fixed[v] {
-                by_vertex[v] += factor * l[v] * (domain.defects[v] + lambda * domain.mass[v] * s[v]);
+                by_vertex[v] +=
+                    factor * l[v] * (domain.defects[v] + lambda * domain.mass[v] * s[v]);
             }
         }
         for (f, g) in by_face.iter_mut().enumerate() {
