@@ -81,23 +81,9 @@ pub(super) fn align(
     centre(flattening, vertex_charts);
     let count = flattening.charts.len();
     let mut pairs: BTreeMap<[usize; 2], Overlap> = BTreeMap::new();
-    for face in covered {
-        for (i, first) in face.charts.iter().enumerate() {
-            for second in &face.charts[i + 1..] {
-                let charts = [first[0].chart as usize, second[0].chart as usize];
-                if charts.iter().any(|&c| flattening.charts[c].is_err()) {
-                    continue;
-                }
-                for (a, b) in first.iter().zip(second) {
-                    let weight = face.area / 3.0 * a.weight * b.weight;
-                    if weight > 0.0 {
-                        let [p, q] = [a, b].map(|c| complex(flattening.uv[c.vertex as usize]));
-                        pairs.entry(charts).or_default().add(weight, p, q);
-                    }
-                }
-            }
-        }
-    }
+    for_pairs(flattening, covered, |charts, weight, p, q| {
+        pairs.entry(charts).or_default().add(weight, p, q);
+    });
     let mut neighbours: Vec<Vec<(usize, Overlap)>> = vec![Vec::new(); count];
     for (&[p, q], overlap) in &pairs {
         neighbours[q].push((p, *overlap));
@@ -126,8 +112,42 @@ pub(super) fn align(
         let moved = motion.turn * complex(*place) + motion.shift;
         *place = Point2::new(moved.re, moved.im);
     }
-    let weight: f64 = pairs.values().map(|overlap| overlap.weight).sum();
-    if weight > 0.0 { (before.max(0.0) / weight).sqrt() } else { 0.0 }
+    misfit(flattening, covered)
+}
+
+/// √(E / Σ ∫ χ^α χ^β), place by place: from moments it would be lost in rounding below 1e-8.
+fn misfit(flattening: &Flattening, covered: &[Covered]) -> f64 {
+    let (mut energy, mut weight) = (0.0, 0.0);
+    for_pairs(flattening, covered, |_, a, p, q| {
+        energy += a * (p - q).norm_sqr();
+        weight += a;
+    });
+    if weight > 0.0 { (energy / weight).sqrt() } else { 0.0 }
+}
+
+/// Calls with two charts, the weight a of a corner that both have, and its places in them.
+fn for_pairs(
+    flattening: &Flattening,
+    covered: &[Covered],
+    mut call: impl FnMut([usize; 2], f64, C, C),
+) {
+    for face in covered {
+        for (i, first) in face.charts.iter().enumerate() {
+            for second in &face.charts[i + 1..] {
+                let charts = [first[0].chart as usize, second[0].chart as usize];
+                if charts.iter().any(|&c| flattening.charts[c].is_err()) {
+                    continue;
+                }
+                for (a, b) in first.iter().zip(second) {
+                    let weight = face.area / 3.0 * a.weight * b.weight;
+                    if weight > 0.0 {
+                        let [p, q] = [a, b].map(|c| complex(flattening.uv[c.vertex as usize]));
+                        call(charts, weight, p, q);
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Moves the middle of each chart to the origin, where moments lose the least to rounding.
@@ -155,11 +175,12 @@ fn place(neighbours: &[Vec<(usize, Overlap)>]) -> Vec<Motion> {
             let counts = |p: usize| !settled || motions[p].is_some();
             neighbours[chart].iter().filter(|(p, _)| counts(*p)).map(|(_, o)| o.weight).sum()
         };
-        let best = (0..neighbours.len()).filter(|&chart| motions[chart].is_none()).max_by(|&a, &b| {
-            let [a_key, b_key] = [a, b].map(|c| [weight(c, true), weight(c, false)]);
-            // The first one of equal charts.
-            a_key[0].total_cmp(&b_key[0]).then(a_key[1].total_cmp(&b_key[1])).then(b.cmp(&a))
-        });
+        let best =
+            (0..neighbours.len()).filter(|&chart| motions[chart].is_none()).max_by(|&a, &b| {
+                let [a_key, b_key] = [a, b].map(|c| [weight(c, true), weight(c, false)]);
+                // The first one of equal charts.
+                a_key[0].total_cmp(&b_key[0]).then(a_key[1].total_cmp(&b_key[1])).then(b.cmp(&a))
+            });
         let Some(chart) = best else { break };
         let still = Motion { turn: C::new(1.0, 0.0), shift: C::new(0.0, 0.0) };
         motions[chart] = Some(fit(&neighbours[chart], |p| motions[p]).unwrap_or(still));
