@@ -4,6 +4,7 @@ use js_sys::{Array, Float32Array, Object, Reflect, Uint8Array, Uint32Array};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
+use crate::session::scene::{LayerScene, PatchScene};
 use crate::session::{Command, Event, Problem, Scene, Session};
 
 #[wasm_bindgen]
@@ -171,7 +172,7 @@ fn scene_object(scene: &Scene) -> Result<JsValue, JsValue> {
     Ok(object.into())
 }
 
-fn patch_objects(patches: &[PatchScene]) -> Result<Array, JsValue> {
+fn patch_objects(patches: &[PatchScene]) -> Result<JsValue, JsValue> {
     let items = Array::new();
     for patch in patches {
         let item = Object::new();
@@ -182,7 +183,7 @@ fn patch_objects(patches: &[PatchScene]) -> Result<Array, JsValue> {
         set(&item, "has_chart", &patch.has_chart.into())?;
         items.push(&item);
     }
-    Ok(items)
+    Ok(items.into())
 }
 
 fn layers_object(layers: &LayerScene) -> Result<JsValue, JsValue> {
