@@ -214,7 +214,7 @@ const views = new Views(stages, {
   },
 });
 
-const texture = textureTool(views, flatView.querySelector(".weave"));
+const texture = textureTool(views, flatView.querySelector(".weave"), (event) => handlers.error(event));
 
 const brush = brushPanel(
   views,
@@ -380,6 +380,7 @@ const client = new EngineClient({
   scene(scene) {
     now.scene = scene;
     views.setScene(scene);
+    texture.scene(scene);
     updateLegends();
     learn.update();
   },
@@ -609,6 +610,10 @@ async function opening(name, open) {
 }
 
 async function openFile(file, left) {
+  if (file.type.startsWith("image/")) {
+    texture.take(file);
+    return;
+  }
   if (left > 0) say(`Opening ${file.name}. ${plural(left, "other file was", "other files were")} left out: one mesh at a time.`);
   try {
     await opening(file.name, async () => client.openMesh(file.name, new Uint8Array(await file.arrayBuffer())));

@@ -38,7 +38,8 @@ export class Views {
   #renderer = "";
   #scene = null;
   #sceneIsNew = false;
-  #flags = { dark: false, texture: "none", cell: 0, isPlain: false, wireframe: false, hover: -1 };
+  #flags = { dark: false, texture: "none", cell: 0, isPlain: false, layers: "blended", wireframe: false, hover: -1 };
+  #image = null;
   #sizes = ["", ""];
   #rebuilds = 0;
   #isBlind = false;
@@ -104,6 +105,23 @@ export class Views {
     this.#flags.texture = name;
     this.#flags.cell = cell;
     this.#viewer?.set_texture(this.#flags.isPlain ? "none" : name, cell);
+  }
+
+  /** The pixels that an image of so many is scaled to, `[width, height]`. */
+  imageSize(width, height) {
+    return [...Viewer.image_size(width, height)];
+  }
+
+  /** Takes `{ width, height, bytes }` of the texture `image`. */
+  setImage(image) {
+    this.#viewer?.set_image(image.width, image.height, image.bytes);
+    this.#image = image;
+  }
+
+  /** How overlapping charts are drawn: `blended`, `hard` or `pieces`. */
+  setLayers(name) {
+    this.#flags.layers = name;
+    this.#viewer?.set_layers(name);
   }
 
   /** Whether the texture is left out for now. */
@@ -281,6 +299,8 @@ export class Views {
     this.#sizes = ["", ""];
     viewer.set_theme(this.#flags.dark);
     viewer.set_texture(this.#flags.isPlain ? "none" : this.#flags.texture, this.#flags.cell);
+    viewer.set_layers(this.#flags.layers);
+    if (this.#image) viewer.set_image(this.#image.width, this.#image.height, this.#image.bytes);
     viewer.set_wireframe(this.#flags.wireframe);
     viewer.set_cone_marks(this.#marks.hover, this.#marks.selected);
     this.#viewer = viewer;

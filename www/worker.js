@@ -78,7 +78,8 @@ function offerScene() {
   const scene = engine.scene();
   if (!scene) return;
   pageIsReady = false;
-  const buffers = Object.values(scene).filter(ArrayBuffer.isView).map((view) => view.buffer);
+  const parts = [...Object.values(scene), ...Object.values(scene.layers ?? {})];
+  const buffers = parts.filter(ArrayBuffer.isView).map((view) => view.buffer);
   self.postMessage({ type: "scene", scene }, [...new Set(buffers)]);
   const events = engine.late();
   if (events.length > 0) self.postMessage({ type: "events", events, spent: 0 });

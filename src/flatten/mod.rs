@@ -6,7 +6,7 @@
 //! [`conformal`] takes exact angles for granted and never turns a face over; [`targets`] makes rims what they are told to be, and closed
 //! surfaces spheres; [`lscm`] and [`abf`] are the baselines of the papers, [`fixed`] fills given rims in, [`isometric`] refines charts
 //! towards true lengths; [`overlap`] finds where outlines cross and triangles overlap, [`validity`] what is wrong with charts, and
-//! [`split`] cuts those that overlap themselves; [`pack`] lays the charts side by side; [`fold`] sews them together again in space.
+//! [`split`] cuts those that overlap themselves; [`atlas`] makes overlapping charts of a partition of unity; [`pack`] lays the charts side by side; [`fold`] sews them together again in space.
 //!
 //! Guaranteed: seam partners are equally long in both charts ([`Flattening::seams_equal`]); charts are counter-clockwise.
 //! Not guaranteed by flattening: freedom from flips and overlaps, which are counted exactly and never hidden.
@@ -14,6 +14,7 @@
 //! Everything here is unitless: charts have the unit of the positions that they were made from.
 
 pub mod abf;
+pub mod atlas;
 pub mod bff;
 mod closing;
 pub mod conformal;
@@ -36,6 +37,7 @@ use nalgebra::{Point2, Vector2};
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
 
 pub use abf::abf;
+pub use atlas::{Atlas, AtlasMethod, AtlasParams, largest_weights};
 pub use bff::{bff, bff_scaled, bff_with};
 pub use fixed::fixed_rim;
 pub use fold::{FoldFlow, FoldParams};

@@ -9,6 +9,8 @@
 //!
 //! This is the only floor that serialises. It reads no clock: drivers measure time and hand in budgets.
 
+#[allow(dead_code, reason = "for methods that give weights")]
+mod blending;
 mod brought;
 mod charting;
 mod cones;

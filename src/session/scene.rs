@@ -52,6 +52,34 @@ pub struct Scene {
     pub is_folded: bool,
     /// 0 for the first scene of a mesh, then counting: a viewer refits its camera when this is 0.
     pub revision: u32,
+    /// Overlapping charts whose textures blend into each other, where there are any.
+    pub layers: Option<LayerScene>,
+}
+
+/// Overlapping charts of the same surface, all in one mesh: a place on the surface occurs once in each chart that covers it. Their weights
+/// there add up to 1.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LayerScene {
+    /// 3 per vertex, in the frame of [`Scene::positions`]; the same bits in each chart.
+    pub positions: Vec<f32>,
+    /// 3 per vertex, unit.
+    pub normals: Vec<f32>,
+    /// 2 per vertex: where the texture is read, in the unit of `positions`. 0 without chart.
+    pub uvs: Vec<f32>,
+    /// 2 per vertex: place in the packed layout, y up; NaN without chart.
+    pub places: Vec<f32>,
+    /// 4 per vertex: the weight of its chart, and those of up to three other charts that cover the triangle; −1 for none.
+    pub weights: Vec<f32>,
+    /// 1 per vertex: index into `charts`.
+    pub vertex_charts: Vec<u32>,
+    /// 3 per triangle, counter-clockwise seen from outside; vertices of the layers.
+    pub triangles: Vec<u32>,
+    /// 2 per segment: the rims of all charts, cuts among them.
+    pub rims: Vec<u32>,
+    /// One for each chart.
+    pub charts: Vec<PatchScene>,
+    /// `[x_min, y_min, x_max, y_max]` of the layout.
+    pub sheet: [f32; 4],
 }
 
 /// How one patch is drawn and named.

@@ -2,7 +2,7 @@
 
 use super::color::{self, Rgb};
 use super::occlusion::Occlusion;
-use crate::session::scene::{FieldScene, Scene};
+use crate::session::scene::{FieldScene, PatchScene, Scene};
 use glam::{Vec2, Vec3};
 
 /// Absent segment or patch.
@@ -82,6 +82,9 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
     length("rim_partners", scene.rim_partners.len(), segments)?;
     length("mark_points", scene.mark_points.len(), scene.mark_points.len() / 3 * 3)?;
     length("mark_segments", scene.mark_segments.len(), scene.mark_segments.len() / 6 * 6)?;
+    if let Some(layers) = &scene.layers {
+        super::layers::check(layers)?;
+    }
     let cones = scene.cone_points.len() / 3;
     length("cone_points", scene.cone_points.len(), 3 * cones)?;
     length("cone_angles", scene.cone_angles.len(), cones)?;
@@ -141,13 +144,29 @@ pub fn geometry(scene: &Scene, occlusion: &mut Occlusion) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(scene.vertex_count() * GEOMETRY_STRIDE as usize);
     for vertex in 0..scene.vertex_count() as u32 {
         let (position, normal) = (position(scene, vertex), normal(scene, vertex));
-        push_floats(&mut bytes, &position.to_array());
         let openness = if scene.is_folded { 1.0 } else { occlusion.openness(position, normal) };
-        for x in [normal.x, normal.y, normal.z, openness] {
-            bytes.extend(((x * f32::from(i16::MAX)).round() as i16).to_le_bytes());
-        }
+        push_place(&mut bytes, position, normal, openness);
     }
     bytes
+}
+
+/// Appends a place of [`geometry`].
+pub fn push_place(bytes: &mut Vec<u8>, position: Vec3, normal: Vec3, openness: f32) {
+    push_floats(bytes, &position.to_array());
+    for x in [normal.x, normal.y, normal.z, openness] {
+        bytes.extend(((x * f32::from(i16::MAX)).round() as i16).to_le_bytes());
+    }
+}
+
+/// Both colours of the texture of each piece.
+pub fn piece_colours(patches: &[PatchScene]) -> Vec<[[u8; 4]; 2]> {
+    let colours = |patch: &PatchScene| {
+        let light = color::region(patch.color);
+        // Without a chart there is no texture: both colours are the same.
+        let dark = if patch.has_chart { light.darker() } else { light };
+        [light.bytes(), dark.bytes()]
+    };
+    patches.iter().map(colours).collect()
 }
 
 /// Whether a field counts regions: then its values are names, not amounts.
@@ -157,16 +176,7 @@ pub fn is_labels(field: &FieldScene) -> bool {
 
 /// Colours and values of all vertices.
 pub fn paint(scene: &Scene) -> Vec<u8> {
-    let colours: Vec<[[u8; 4]; 2]> = scene
-        .patches
-        .iter()
-        .map(|patch| {
-            let light = color::region(patch.color);
-            // Without a chart there is no texture: both colours are the same.
-            let dark = if patch.has_chart { light.darker() } else { light };
-            [light.bytes(), dark.bytes()]
-        })
-        .collect();
+    let colours = piece_colours(&scene.patches);
     let range = scene.field.as_ref().map_or([0.0, 1.0], |field| field.range);
     let is_labels = scene.field.as_ref().is_some_and(is_labels);
     let mut bytes = Vec::with_capacity(scene.vertex_count() * PAINT_STRIDE as usize);
@@ -336,6 +346,13 @@ pub fn mark_segment_ribbons(scene: &Scene) -> Vec<u8> {
     for &[x0, y0, z0, x1, y1, z1] in scene.mark_segments.as_chunks().0 {
         Ribbon::lone(Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1)).push(&mut bytes);
     }
+    bytes
+}
+
+/// Lines that know nothing of each other.
+pub fn lone_ribbons(lines: impl Iterator<Item = [Vec3; 2]>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    lines.for_each(|[start, end]| Ribbon::lone(start, end).push(&mut bytes));
     bytes
 }
 

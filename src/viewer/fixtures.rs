@@ -1,6 +1,6 @@
 //! Small scenes for the tests of this floor.
 
-use crate::session::scene::{PatchScene, Scene};
+use crate::session::scene::{LayerScene, PatchScene, Scene};
 use glam::Vec3;
 
 /// Two unit squares side by side, each a patch of two triangles, the cut between them.
@@ -31,6 +31,25 @@ pub fn two_squares() -> Scene {
         sheet: [0.0, 0.0, 2.25, 1.0],
         ..Scene::default()
     }
+}
+
+/// A unit square in two patches as above, with a layer over each square; both cover the same places and weigh half.
+pub fn overlapping_squares() -> Scene {
+    let scene = two_squares();
+    let one: Vec<f32> = scene.positions[..12].to_vec();
+    let layers = LayerScene {
+        positions: one.repeat(2),
+        normals: scene.normals.clone(),
+        uvs: scene.charts[..8].repeat(2),
+        places: scene.charts.clone(),
+        weights: [0.5, 0.5, -1.0, -1.0].repeat(8),
+        vertex_charts: scene.vertex_patches.clone(),
+        triangles: scene.triangles.clone(),
+        rims: scene.rims.clone(),
+        charts: scene.patches.clone(),
+        sheet: [0.0, 0.0, 5.0, 1.0],
+    };
+    Scene { layers: Some(layers), ..scene }
 }
 
 /// A ball of `4ⁿ × 8` triangles in one patch without rims or charts, marks at `marks` of its vertices.

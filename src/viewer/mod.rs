@@ -6,7 +6,7 @@
 //! [`web::Viewer`](crate::web).
 //!
 //! From the ground up: [`color`] and [`camera`] are arithmetic, [`pick`] finds the triangle under the
-//! pointer, [`brush`] where a stroke passes, [`occlusion`] computes soft shade, [`arrays`] turns a scene into bytes, [`cones`] does so with its cones, [`stage`] holds
+//! pointer, [`brush`] where a stroke passes, [`occlusion`] computes soft shade, [`arrays`] turns a scene into bytes, [`cones`] does so with its cones and [`layers`] with overlapping charts, [`pixels`] are textures, [`stage`] holds
 //! all that a picture depends on, and [`painter`] puts one view of a stage on a texture. All but the
 //! last are pure and tested natively.
 //!
@@ -29,7 +29,9 @@ pub mod color;
 pub mod cones;
 #[cfg(test)]
 mod fixtures;
+pub mod layers;
 pub mod occlusion;
 pub mod painter;
 pub mod pick;
+pub mod pixels;
 pub mod stage;

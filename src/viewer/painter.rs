@@ -3,20 +3,24 @@
 use super::arrays::{self, CHART_STRIDE, GEOMETRY_STRIDE, PAINT_STRIDE, RIBBON_STRIDE};
 use super::color::{CASING, CUT, NEUTRAL, Rgb, WARNING};
 use super::cones::{self, GLYPH_STRIDE};
+use super::layers::{LAYER_STRIDE, LayerMode};
 use super::occlusion::{SHADOW_PIXELS, SHADOW_REACH};
 use super::stage::{Part, RAMP_PIXELS, Stage, View};
 use glam::UVec2;
 use wgpu::{VertexFormat as Format, VertexStepMode as Step};
 
 const FRAME_SHADER: &str = include_str!("frame.wgsl");
+const TEXTURE_SHADER: &str = include_str!("texture.wgsl");
+const LIGHT_SHADER: &str = include_str!("light.wgsl");
 const MESH_SHADER: &str = include_str!("mesh.wgsl");
+const LAYER_SHADER: &str = include_str!("layer.wgsl");
 const RIBBON_SHADER: &str = include_str!("ribbon.wgsl");
 const CONE_SHADER: &str = include_str!("cone.wgsl");
 const GROUND_SHADER: &str = include_str!("ground.wgsl");
 
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
-/// Two matrices and six vectors.
-const FRAME_BYTES: u64 = 2 * 64 + 6 * 16;
+/// Two matrices and seven vectors.
+const FRAME_BYTES: u64 = 2 * 64 + 7 * 16;
 /// Two vectors.
 const STYLE_BYTES: u64 = 32;
 /// Distance between styles in their buffer: the alignment that every device accepts.
@@ -39,10 +43,12 @@ enum Look {
     Brush,
     BrushBehind,
     Cone,
+    /// Rim of a chart that fades towards it.
+    Hem,
 }
 
 impl Look {
-    const ALL: [Self; 13] = [
+    const ALL: [Self; 14] = [
         Self::Wire,
         Self::Casing,
         Self::Cut,
@@ -56,6 +62,7 @@ impl Look {
         Self::Brush,
         Self::BrushBehind,
         Self::Cone,
+        Self::Hem,
     ];
 
     /// Colour, opacity, width in CSS pixels.
@@ -75,6 +82,8 @@ impl Look {
             Self::Brush => (CUT, 1.0, 2.0),
             Self::BrushBehind => (CUT, 0.25, 2.0),
             Self::Cone => (accent, 1.0, 0.0),
+            // Grey is seen on both grounds.
+            Self::Hem => (NEUTRAL.darker(), 0.9, 1.3),
         }
     }
 
@@ -121,6 +130,8 @@ enum Pipelines {
     Surface {
         ground: wgpu::RenderPipeline,
         mesh: wgpu::RenderPipeline,
+        layer_ground: wgpu::RenderPipeline,
+        layer: wgpu::RenderPipeline,
         ribbon: wgpu::RenderPipeline,
         ribbon_behind: wgpu::RenderPipeline,
         cone: wgpu::RenderPipeline,
@@ -128,6 +139,7 @@ enum Pipelines {
     Flat {
         chart: wgpu::RenderPipeline,
         flipped: wgpu::RenderPipeline,
+        layer: wgpu::RenderPipeline,
         ribbon: wgpu::RenderPipeline,
         cone: wgpu::RenderPipeline,
     },
@@ -142,10 +154,12 @@ pub struct Painter {
     format: wgpu::TextureFormat,
     samples: u32,
     pipelines: Pipelines,
+    groups: Groups,
     frame: wgpu::Buffer,
     styles: wgpu::Buffer,
     ramp: wgpu::Texture,
     shadow: wgpu::Texture,
+    pixels: wgpu::Texture,
     frame_group: wgpu::BindGroup,
     style_group: wgpu::BindGroup,
     copies: [Copy; Part::COUNT],
@@ -174,22 +188,12 @@ impl Painter {
         };
         let frame = uniform("frame", FRAME_BYTES);
         let styles = uniform("styles", Look::ALL.len() as u64 * u64::from(STYLE_STRIDE));
-        let texture = |label, size: UVec2, format| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: extent(size),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            })
-        };
-        let ramp = texture("ramp", RAMP_SIZE, wgpu::TextureFormat::Rgba8Unorm);
-        let shadow = texture("shadow", SHADOW_SIZE, wgpu::TextureFormat::R8Unorm);
+        let rgba = wgpu::TextureFormat::Rgba8Unorm;
+        let ramp = texture(&device, "ramp", RAMP_SIZE, rgba, 1);
+        let shadow = texture(&device, "shadow", SHADOW_SIZE, wgpu::TextureFormat::R8Unorm, 1);
+        let pixels = texture(&device, "pixels", UVec2::ONE, rgba, 1);
         let groups = Groups::new(&device);
-        let frame_group = groups.bind_frame(&device, &frame, &ramp, &shadow);
+        let frame_group = groups.bind_frame(&device, &frame, [&ramp, &shadow, &pixels]);
         let style_group = groups.bind_styles(&device, &styles);
         let pipelines = Maker { device: &device, groups: &groups, format, samples }.make(view);
         Self {
@@ -199,10 +203,12 @@ impl Painter {
             format,
             samples,
             pipelines,
+            groups,
             frame,
             styles,
             ramp,
             shadow,
+            pixels,
             frame_group,
             style_group,
             copies: Default::default(),
@@ -218,6 +224,7 @@ impl Painter {
         for part in self.parts(stage) {
             self.write_part(stage, part);
         }
+        let shows_layers = stage.shows_layers();
         let mut encoder = self.device.create_command_encoder(&Default::default());
         {
             let [r, g, b] = stage.theme().background.0.map(f64::from);
@@ -250,18 +257,37 @@ impl Painter {
             // All pipelines share one layout, so those without a style have one as well.
             pass.set_bind_group(1, &self.style_group, &[0]);
             match &self.pipelines {
-                Pipelines::Surface { ground, mesh, ribbon, ribbon_behind, cone } => {
+                Pipelines::Surface {
+                    ground,
+                    mesh,
+                    layer_ground,
+                    layer,
+                    ribbon,
+                    ribbon_behind,
+                    cone,
+                } => {
                     pass.set_pipeline(ground);
                     pass.draw(0..4, 0..1);
-                    pass.set_pipeline(mesh);
-                    let corners = [Part::Geometry, Part::Paint, Part::Charts];
-                    self.draw_triangles(&mut pass, &corners, Part::Triangles);
+                    if shows_layers {
+                        for pipeline in [layer_ground, layer] {
+                            pass.set_pipeline(pipeline);
+                            let corners = [Part::LayerVertices];
+                            self.draw_triangles(&mut pass, &corners, Part::LayerTriangles);
+                        }
+                    } else {
+                        pass.set_pipeline(mesh);
+                        let corners = [Part::Geometry, Part::Paint, Part::Charts];
+                        self.draw_triangles(&mut pass, &corners, Part::Triangles);
+                    }
                     pass.set_pipeline(ribbon);
                     if stage.shows_wireframe() {
                         self.draw_ribbons(&mut pass, Part::Wires, Look::Wire);
                     }
-                    self.draw_ribbons(&mut pass, Part::Cuts, Look::Casing);
-                    self.draw_ribbons(&mut pass, Part::Cuts, Look::Cut);
+                    if !shows_layers {
+                        // What blends has no cuts.
+                        self.draw_ribbons(&mut pass, Part::Cuts, Look::Casing);
+                        self.draw_ribbons(&mut pass, Part::Cuts, Look::Cut);
+                    }
                     self.draw_ribbons(&mut pass, Part::Outline, Look::Outline);
                     pass.set_pipeline(cone);
                     self.draw_cones(&mut pass, Part::Cones);
@@ -275,7 +301,14 @@ impl Painter {
                     self.draw_ribbons(&mut pass, Part::Brush, Look::BrushEdge);
                     self.draw_ribbons(&mut pass, Part::Brush, Look::Brush);
                 }
-                Pipelines::Flat { chart, flipped, ribbon, cone } => {
+                Pipelines::Flat { layer, ribbon, .. } if shows_layers => {
+                    pass.set_pipeline(layer);
+                    let corners = [Part::LayerVertices];
+                    self.draw_triangles(&mut pass, &corners, Part::LayerChartTriangles);
+                    pass.set_pipeline(ribbon);
+                    self.draw_ribbons(&mut pass, Part::LayerRims, Look::Hem);
+                }
+                Pipelines::Flat { chart, flipped, ribbon, cone, .. } => {
                     let corners = [Part::Paint, Part::Charts];
                     pass.set_pipeline(chart);
                     self.draw_triangles(&mut pass, &corners, Part::ChartTriangles);
@@ -333,7 +366,13 @@ impl Painter {
                 Part::ChartWires,
             ),
         };
-        parts.iter().copied().chain(stage.shows_wireframe().then_some(wires)).collect()
+        let layers: &[Part] = match self.view {
+            _ if !stage.shows_layers() => &[],
+            View::Surface => &[Part::LayerVertices, Part::LayerTriangles],
+            View::Flat => &[Part::LayerVertices, Part::LayerChartTriangles, Part::LayerRims],
+        };
+        let wires = stage.shows_wireframe().then_some(wires);
+        parts.iter().chain(layers).copied().chain(wires).collect()
     }
 
     fn draw_triangles(&self, pass: &mut wgpu::RenderPass, corners: &[Part], triangles: Part) {
@@ -394,6 +433,7 @@ impl Painter {
         let theme = stage.theme();
         let switch = |on: bool| f32::from(u8::from(on));
         let eye = projection.eye;
+        let cells = stage.pixels().map_or([1.0; 2], |pixels| pixels.cells);
         // The ground is not seen from below.
         let above = ((eye.y - stage.ground()) * 4.0).clamp(0.0, 1.0);
         let mut bytes = Vec::with_capacity(FRAME_BYTES as usize);
@@ -405,6 +445,7 @@ impl Painter {
             [size.x as f32, size.y as f32, viewport.scale, projection.pixel],
             [stage.ground(), SHADOW_REACH, theme.shadow, above],
             [switch(stage.shows_field()), stage.texture().number(), stage.cell(), 0.0],
+            [cells[0], cells[1], switch(stage.layer_mode() == LayerMode::Hard), 0.0],
             arrays::opaque(NEUTRAL, 1.0),
             arrays::opaque(WARNING, 1.0),
         ] {
@@ -432,6 +473,33 @@ impl Painter {
             let bytes = stage.bytes(part);
             self.queue.write_texture(texture.as_image_copy(), &bytes, layout, extent(size));
         }
+        self.write_pixels(stage);
+    }
+
+    /// The pixels of the texture; old ones stay while none are wanted.
+    fn write_pixels(&mut self, stage: &Stage) {
+        let copy = &mut self.copies[Part::Pixels as usize];
+        if copy.stamp == stage.stamp_of(Part::Pixels) {
+            return;
+        }
+        copy.stamp = stage.stamp_of(Part::Pixels);
+        let Some(&[(width, height, _), ..]) = stage.pixels().map(|p| &*p.levels) else { return };
+        let levels = stage.pixels().map_or(&[][..], |pixels| &pixels.levels);
+        let size = UVec2::new(width, height);
+        let format = wgpu::TextureFormat::Rgba8Unorm;
+        self.pixels = texture(&self.device, "pixels", size, format, levels.len() as u32);
+        for ((width, height, bytes), mip_level) in levels.iter().zip(0..) {
+            let layout = wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * width),
+                rows_per_image: None,
+            };
+            let target = wgpu::TexelCopyTextureInfo { mip_level, ..self.pixels.as_image_copy() };
+            let size = extent(UVec2::new(*width, *height));
+            self.queue.write_texture(target, bytes, layout, size);
+        }
+        let textures = [&self.ramp, &self.shadow, &self.pixels];
+        self.frame_group = self.groups.bind_frame(&self.device, &self.frame, textures);
     }
 
     fn write_part(&mut self, stage: &mut Stage, part: Part) {
@@ -449,9 +517,11 @@ impl Painter {
             copy.buffer.as_ref().is_some_and(|buffer| buffer.size() >= copy.bytes);
         if !is_large_enough {
             let kind = match part {
-                Part::Triangles | Part::ChartTriangles | Part::FlippedTriangles => {
-                    wgpu::BufferUsages::INDEX
-                }
+                Part::Triangles
+                | Part::ChartTriangles
+                | Part::FlippedTriangles
+                | Part::LayerTriangles
+                | Part::LayerChartTriangles => wgpu::BufferUsages::INDEX,
                 _ => wgpu::BufferUsages::VERTEX,
             };
             // Half as much again, so that a growing cut does not ask for a buffer each frame.
@@ -472,6 +542,26 @@ impl Painter {
 const RAMP_SIZE: UVec2 = UVec2::new(RAMP_PIXELS as u32, 1);
 const SHADOW_SIZE: UVec2 = UVec2::splat(SHADOW_PIXELS as u32);
 
+/// A texture to read from.
+fn texture(
+    device: &wgpu::Device,
+    label: &str,
+    size: UVec2,
+    format: wgpu::TextureFormat,
+    mip_level_count: u32,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent(size),
+        mip_level_count,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
 fn extent(size: UVec2) -> wgpu::Extent3d {
     wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 }
 }
@@ -481,6 +571,7 @@ fn count(bytes: u64, stride: u64) -> u32 {
 }
 
 /// The two layouts of bound things that all shaders share.
+#[derive(Debug)]
 struct Groups {
     frame: wgpu::BindGroupLayout,
     style: wgpu::BindGroupLayout,
@@ -517,6 +608,8 @@ impl Groups {
                     entry(1, sampler),
                     entry(2, texture),
                     entry(3, texture),
+                    entry(4, texture),
+                    entry(5, sampler),
                 ],
             ),
             style: layout("style", &[entry(0, uniform(STYLE_BYTES, true))]),
@@ -527,20 +620,28 @@ impl Groups {
         &self,
         device: &wgpu::Device,
         frame: &wgpu::Buffer,
-        ramp: &wgpu::Texture,
-        shadow: &wgpu::Texture,
+        textures: [&wgpu::Texture; 3],
     ) -> wgpu::BindGroup {
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+        let smooth = wgpu::SamplerDescriptor {
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
+        };
+        let sampler = device.create_sampler(&smooth);
+        let repeating = device.create_sampler(&wgpu::SamplerDescriptor {
+            address_mode_u: wgpu::AddressMode::Repeat,
+            address_mode_v: wgpu::AddressMode::Repeat,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..smooth
         });
-        let [ramp, shadow] = [ramp, shadow].map(|texture| texture.create_view(&Default::default()));
+        let [ramp, shadow, pixels] = textures.map(|t| t.create_view(&Default::default()));
         let resources = [
             frame.as_entire_binding(),
             wgpu::BindingResource::Sampler(&sampler),
             wgpu::BindingResource::TextureView(&ramp),
             wgpu::BindingResource::TextureView(&shadow),
+            wgpu::BindingResource::TextureView(&pixels),
+            wgpu::BindingResource::Sampler(&repeating),
         ];
         let entries: Vec<wgpu::BindGroupEntry> = (0..)
             .zip(resources)
@@ -583,7 +684,7 @@ struct Recipe<'a> {
     entries: [&'a str; 2],
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     is_strip: bool,
-    is_blended: bool,
+    blend: Option<wgpu::BlendState>,
     /// The depth test, and whether depth is written; none where there is no depth buffer.
     depth: Option<(wgpu::CompareFunction, bool)>,
 }
@@ -624,39 +725,71 @@ const GLYPH: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
     ],
 };
 
+const LAYER: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
+    array_stride: LAYER_STRIDE,
+    step_mode: Step::Vertex,
+    attributes: &wgpu::vertex_attr_array![
+        0 => Float32x3, 1 => Snorm16x4, 2 => Unorm8x4, 3 => Unorm8x4,
+        4 => Float32x2, 5 => Float32x2, 6 => Float32x4
+    ],
+};
+
+/// Adds colours and leaves opacity as it is.
+const ADDING: wgpu::BlendState = wgpu::BlendState {
+    color: wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    },
+    alpha: wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Zero,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    },
+};
+
 impl Maker<'_> {
     fn make(&self, view: View) -> Pipelines {
-        let mesh = self.shader("mesh", MESH_SHADER);
-        let ribbon = self.shader("ribbon", RIBBON_SHADER);
+        let mesh = self.shader("mesh", &[TEXTURE_SHADER, LIGHT_SHADER, MESH_SHADER]);
+        let ribbon = self.shader("ribbon", &[RIBBON_SHADER]);
+        let layer = self.shader("layer", &[TEXTURE_SHADER, LIGHT_SHADER, LAYER_SHADER]);
+        let layers = |entries, blend, depth| Recipe {
+            shader: &layer,
+            entries,
+            buffers: &[Some(LAYER)],
+            is_strip: false,
+            blend,
+            depth,
+        };
         let ribbons = |depth| Recipe {
             shader: &ribbon,
             entries: ["ribbon_vertex", "ribbon_fragment"],
             buffers: &[Some(RIBBON)],
             is_strip: true,
-            is_blended: true,
+            blend: Some(wgpu::BlendState::ALPHA_BLENDING),
             depth,
         };
-        let cone = self.shader("cone", CONE_SHADER);
+        let cone = self.shader("cone", &[CONE_SHADER]);
         let glyphs = |depth| Recipe {
             shader: &cone,
             entries: ["cone_vertex", "cone_fragment"],
             buffers: &[Some(GLYPH)],
             is_strip: true,
-            is_blended: true,
+            blend: Some(wgpu::BlendState::ALPHA_BLENDING),
             depth,
         };
         let always = wgpu::CompareFunction::Always;
         let nearer = wgpu::CompareFunction::LessEqual;
         match view {
             View::Surface => {
-                let ground = self.shader("ground", GROUND_SHADER);
+                let ground = self.shader("ground", &[GROUND_SHADER]);
                 Pipelines::Surface {
                     ground: self.pipeline(Recipe {
                         shader: &ground,
                         entries: ["ground_vertex", "ground_fragment"],
                         buffers: &[],
                         is_strip: true,
-                        is_blended: true,
+                        blend: Some(wgpu::BlendState::ALPHA_BLENDING),
                         depth: Some((always, false)),
                     }),
                     mesh: self.pipeline(Recipe {
@@ -664,9 +797,19 @@ impl Maker<'_> {
                         entries: ["surface_vertex", "surface_fragment"],
                         buffers: &[Some(GEOMETRY), Some(PAINT), Some(CHART)],
                         is_strip: false,
-                        is_blended: false,
+                        blend: None,
                         depth: Some((wgpu::CompareFunction::Less, true)),
                     }),
+                    layer_ground: self.pipeline(layers(
+                        ["layer_vertex", "layer_ground_fragment"],
+                        None,
+                        Some((wgpu::CompareFunction::Less, true)),
+                    )),
+                    layer: self.pipeline(layers(
+                        ["layer_vertex", "layer_fragment"],
+                        Some(ADDING),
+                        Some((wgpu::CompareFunction::Equal, false)),
+                    )),
                     ribbon: self.pipeline(ribbons(Some((nearer, false)))),
                     ribbon_behind: self.pipeline(ribbons(Some((always, false)))),
                     cone: self.pipeline(glyphs(Some((nearer, false)))),
@@ -678,12 +821,17 @@ impl Maker<'_> {
                     entries: ["chart_vertex", fragment],
                     buffers: &[Some(PAINT), Some(CHART)],
                     is_strip: false,
-                    is_blended: false,
+                    blend: None,
                     depth: None,
                 };
                 Pipelines::Flat {
                     chart: self.pipeline(charts("chart_fragment")),
                     flipped: self.pipeline(charts("flipped_fragment")),
+                    layer: self.pipeline(layers(
+                        ["layer_chart_vertex", "layer_chart_fragment"],
+                        Some(wgpu::BlendState::ALPHA_BLENDING),
+                        None,
+                    )),
                     ribbon: self.pipeline(ribbons(None)),
                     cone: self.pipeline(glyphs(None)),
                 }
@@ -691,10 +839,11 @@ impl Maker<'_> {
         }
     }
 
-    fn shader(&self, label: &str, source: &str) -> wgpu::ShaderModule {
+    fn shader(&self, label: &str, sources: &[&str]) -> wgpu::ShaderModule {
+        let source = [FRAME_SHADER].iter().chain(sources).copied().collect::<String>();
         self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(label),
-            source: wgpu::ShaderSource::Wgsl([FRAME_SHADER, source].concat().into()),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
         })
     }
 
@@ -734,7 +883,7 @@ impl Maker<'_> {
                 compilation_options: Default::default(),
                 targets: &[Some(wgpu::ColorTargetState {
                     format: self.format,
-                    blend: recipe.is_blended.then_some(wgpu::BlendState::ALPHA_BLENDING),
+                    blend: recipe.blend,
                     write_mask: wgpu::ColorWrites::ALL,
                 })],
             }),
@@ -752,12 +901,13 @@ mod tests {
     #[test]
     fn every_shader_is_valid_without_any_capability_beyond_webgl2() {
         for (name, source) in [
-            ("mesh", MESH_SHADER),
-            ("ribbon", RIBBON_SHADER),
-            ("cone", CONE_SHADER),
-            ("ground", GROUND_SHADER),
+            ("mesh", [TEXTURE_SHADER, LIGHT_SHADER, MESH_SHADER].concat()),
+            ("layer", [TEXTURE_SHADER, LIGHT_SHADER, LAYER_SHADER].concat()),
+            ("ribbon", RIBBON_SHADER.into()),
+            ("cone", CONE_SHADER.into()),
+            ("ground", GROUND_SHADER.into()),
         ] {
-            let source = [FRAME_SHADER, source].concat();
+            let source = [FRAME_SHADER, &source].concat();
             let module = naga::front::wgsl::parse_str(&source)
                 .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
             let mut validator = naga::valid::Validator::new(
@@ -793,7 +943,7 @@ mod tests {
     #[test]
     fn no_vertex_is_wider_than_webgl2_allows() {
         let limits = wgpu::Limits::downlevel_webgl2_defaults();
-        for layout in [GEOMETRY, PAINT, CHART, RIBBON, GLYPH] {
+        for layout in [GEOMETRY, PAINT, CHART, RIBBON, GLYPH, LAYER] {
             assert!(layout.array_stride <= u64::from(limits.max_vertex_buffer_array_stride));
             let end = layout.attributes.iter().map(|a| a.offset + a.format.size()).max();
             assert_eq!(end, Some(layout.array_stride));

@@ -9,8 +9,10 @@ use super::brush::{self, Stroke};
 use super::camera::{Orbit, Projection, Ray, Sheet, Viewport};
 use super::color::{self, Theme};
 use super::cones::{self, Drag, Glyph, Marks};
+use super::layers::{self, LayerMode};
 use super::occlusion::{self, Occlusion};
 use super::pick::{Hierarchy, Hit};
+use super::pixels::Pixels;
 use crate::session::scene::{PatchScene, Scene};
 use glam::{Vec2, Vec3};
 
@@ -47,6 +49,12 @@ pub enum Texture {
     Grid,
     /// A disc in each cell: ellipses show angles that change, sizes show areas.
     Circles,
+    /// The coat of a leopard.
+    Spots,
+    /// Veined stone.
+    Marble,
+    /// What a person has chosen; plain pieces until then.
+    Image,
 }
 
 impl Texture {
@@ -57,6 +65,9 @@ impl Texture {
             "checkerboard" => Self::Checkerboard,
             "grid" => Self::Grid,
             "circles" => Self::Circles,
+            "spots" => Self::Spots,
+            "marble" => Self::Marble,
+            "image" => Self::Image,
             _ => return None,
         })
     }
@@ -113,11 +124,21 @@ pub enum Part {
     ChartCones,
     /// The shadow on the ground.
     Shadow,
+    /// Vertices of overlapping charts.
+    LayerVertices,
+    /// Their triangles.
+    LayerTriangles,
+    /// Those of them that have a place on the sheet.
+    LayerChartTriangles,
+    /// Their rims on the sheet.
+    LayerRims,
+    /// The pixels of the texture.
+    Pixels,
 }
 
 impl Part {
     /// Number of parts.
-    pub const COUNT: usize = Self::Shadow as usize + 1;
+    pub const COUNT: usize = Self::Pixels as usize + 1;
 }
 
 /// What lies under the pointer.
@@ -152,6 +173,10 @@ pub struct Stage {
     is_dark: bool,
     texture: Texture,
     cell: f32,
+    /// The generated textures, made when they are first wanted.
+    generated: [Option<Pixels>; 2],
+    image: Option<Pixels>,
+    layer_mode: LayerMode,
     wireframe: bool,
     hover: u32,
     /// Where the brush lies; empty where it does not.
@@ -181,6 +206,9 @@ impl Default for Stage {
             is_dark: false,
             texture: Texture::None,
             cell: f32::NAN,
+            generated: [None, None],
+            image: None,
+            layer_mode: LayerMode::default(),
             wireframe: false,
             hover: NONE,
             ring: Vec::new(),
@@ -213,6 +241,8 @@ impl Stage {
         let cones = old.cone_points != new.cone_points
             || old.cone_angles != new.cone_angles
             || old.cone_charts != new.cone_charts;
+        let layers = old.layers != new.layers;
+        let had_layers = old.layers.is_some() && old.field.is_none();
         // A viewer may miss the very first scene of a mesh: a count that falls tells as well.
         let is_first = new.revision == 0 || new.revision < old.revision;
         let is_new_mesh = is_first || self.occlusion.is_none();
@@ -238,6 +268,15 @@ impl Stage {
         self.stamp(field, &[Part::Ramp]);
         self.stamp(cones || rims || places || triangles, &[Part::Cones]);
         self.stamp(cones || charts, &[Part::ChartCones]);
+        self.stamp(
+            layers || is_new_mesh,
+            &[
+                Part::LayerVertices,
+                Part::LayerTriangles,
+                Part::LayerChartTriangles,
+                Part::LayerRims,
+            ],
+        );
         if cones || is_new_mesh {
             self.drag = None;
         }
@@ -252,8 +291,14 @@ impl Stage {
             self.fit_orbit();
             self.sheet_is_fitted = true;
         }
+        if had_layers != (self.scene.layers.is_some() && self.scene.field.is_none())
+            && self.layer_mode != LayerMode::Pieces
+        {
+            // Another sheet altogether.
+            self.sheet_is_fitted = true;
+        }
         if self.sheet_is_fitted {
-            self.sheet.fit(self.scene.sheet, self.viewport(View::Flat));
+            self.sheet.fit(self.bounds(), self.viewport(View::Flat));
         }
         self.dirty = [true; 2];
         Ok(())
@@ -284,10 +329,71 @@ impl Stage {
     /// What pieces carry in both views, and the side of its cells in the unit of the charts;
     /// [`Self::usual_cell`] where that is not a number above 0.
     pub fn set_texture(&mut self, texture: Texture, cell: f32) {
-        if self.texture != texture || self.cell.to_bits() != cell.to_bits() {
-            (self.texture, self.cell) = (texture, cell);
+        if self.texture != texture {
+            self.texture = texture;
+            match texture {
+                Texture::Spots => {
+                    self.generated[0].get_or_insert_with(Pixels::spots);
+                }
+                Texture::Marble => {
+                    self.generated[1].get_or_insert_with(Pixels::marble);
+                }
+                _ => {}
+            }
+            self.stamp(true, &[Part::Pixels]);
             self.dirty = [true; 2];
         }
+        if self.cell.to_bits() != cell.to_bits() {
+            self.cell = cell;
+            self.dirty = [true; 2];
+        }
+    }
+
+    /// What pieces carry where the texture is [`Texture::Image`].
+    pub fn set_image(&mut self, image: Pixels) {
+        self.image = Some(image);
+        self.stamp(true, &[Part::Pixels]);
+        self.dirty = [true; 2];
+    }
+
+    /// The pixels of the texture, where it is made of some and they are there.
+    pub fn pixels(&self) -> Option<&Pixels> {
+        match self.texture {
+            Texture::Spots => self.generated[0].as_ref(),
+            Texture::Marble => self.generated[1].as_ref(),
+            Texture::Image => self.image.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// How overlapping charts are shown, where there are any.
+    pub fn set_layer_mode(&mut self, mode: LayerMode) {
+        if mode == self.layer_mode {
+            return;
+        }
+        let had_layers = self.shows_layers();
+        self.layer_mode = mode;
+        if had_layers != self.shows_layers() {
+            self.sheet_is_fitted = true;
+            self.sheet.fit(self.bounds(), self.viewport(View::Flat));
+        }
+        self.dirty = [true; 2];
+    }
+
+    /// How overlapping charts are shown.
+    pub fn layer_mode(&self) -> LayerMode {
+        self.layer_mode
+    }
+
+    /// Whether overlapping charts are shown in place of pieces. A field is one value for each place: it is shown on the pieces.
+    pub fn shows_layers(&self) -> bool {
+        self.layer_mode != LayerMode::Pieces && self.scene.layers.is_some() && !self.shows_field()
+    }
+
+    /// The extent of the sheet that is shown.
+    fn bounds(&self) -> [f32; 4] {
+        let layers = self.scene.layers.as_ref().filter(|_| self.shows_layers());
+        layers.map_or(self.scene.sheet, |layers| layers.sheet)
     }
 
     /// Whether edges are drawn.
@@ -321,7 +427,7 @@ impl Stage {
         match view {
             View::Surface if was_empty || self.orbit_is_fitted => self.fit_orbit(),
             View::Flat if was_empty || self.sheet_is_fitted => {
-                self.sheet.fit(self.scene.sheet, viewport);
+                self.sheet.fit(self.bounds(), viewport);
             }
             _ => {}
         }
@@ -382,7 +488,7 @@ impl Stage {
         match view {
             View::Surface => self.fit_orbit(),
             View::Flat => {
-                self.sheet.fit(self.scene.sheet, viewport);
+                self.sheet.fit(self.bounds(), viewport);
                 self.sheet_is_fitted = true;
             }
         }
@@ -430,7 +536,9 @@ impl Stage {
     /// The triangle under a place of the screen.
     fn hit(&mut self, view: View, css: Vec2) -> Option<Hit> {
         let viewport = self.viewport(view);
-        if viewport.is_empty() || !css.is_finite() {
+        // Overlapping charts are no pieces: there is nothing to point at.
+        let has_pieces = view == View::Surface || !self.shows_layers();
+        if viewport.is_empty() || !css.is_finite() || !has_pieces {
             return None;
         }
         let ray = match view {
@@ -641,8 +749,15 @@ impl Stage {
     /// around it, in CSS pixels; NaN where the number does not fit or is out of sight.
     pub fn anchors(&self) -> Vec<f32> {
         let viewport = self.viewport(View::Flat);
+        let layers = self.scene.layers.as_ref().filter(|_| self.shows_layers());
+        let patches = layers.map_or(&self.scene.patches, |layers| &layers.charts);
+        let rooms = match layers {
+            // Charts that reach far beyond where they weigh anything have room.
+            Some(layers) => vec![f32::MAX; layers.charts.len()],
+            None => self.rooms.clone(),
+        };
         let anchor = |(patch, &room): (usize, &f32)| {
-            let place = Vec2::from_array(self.scene.patches[patch].anchor);
+            let place = Vec2::from_array(patches[patch].anchor);
             let css = self.sheet.to_screen(place, viewport);
             let room = room * self.sheet.pixels_per_unit();
             let is_inside = css.cmpge(Vec2::ZERO).all() && css.cmple(viewport.size).all();
@@ -652,7 +767,7 @@ impl Stage {
                 [f32::NAN; 3]
             }
         };
-        self.rooms.iter().enumerate().flat_map(anchor).collect()
+        rooms.iter().enumerate().flat_map(anchor).collect()
     }
 
     /// CSS pixels per unit of the charts.
@@ -680,7 +795,8 @@ impl Stage {
 
     /// What pieces carry.
     pub fn texture(&self) -> Texture {
-        self.texture
+        let is_waiting = self.texture == Texture::Image && self.image.is_none();
+        if is_waiting { Texture::None } else { self.texture }
     }
 
     /// Side of a cell of the texture, the same on all charts, so that unequal cells on the surface
@@ -763,6 +879,17 @@ impl Stage {
                 Some(occlusion) => occlusion.ground_shadow(),
                 None => vec![0; occlusion::SHADOW_PIXELS.pow(2)],
             },
+            Part::LayerVertices => match &mut self.occlusion {
+                Some(occlusion) => layers::vertices(scene, occlusion),
+                None => Vec::new(),
+            },
+            Part::LayerTriangles => layers::triangles(scene, false),
+            Part::LayerChartTriangles => layers::triangles(scene, true),
+            Part::LayerRims => layers::rim_ribbons(scene),
+            Part::Pixels => {
+                let levels = self.pixels().map(|pixels| pixels.levels.iter());
+                levels.into_iter().flatten().flat_map(|(_, _, bytes)| bytes).copied().collect()
+            }
         }
     }
 }
@@ -780,7 +907,7 @@ fn same_looks(a: &Scene, b: &Scene) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::{two_squares, unit_ball};
+    use super::super::fixtures::{overlapping_squares, two_squares, unit_ball};
     use super::*;
     use crate::session::scene::FieldScene;
 
@@ -1028,6 +1155,53 @@ mod tests {
         stage.set_texture(Texture::Circles, 0.125);
         assert_eq!(View::ALL.map(|view| stage.take_dirty(view)), [false, false]);
         assert_eq!(Texture::from_name("houndstooth"), None);
+    }
+
+    #[test]
+    fn overlapping_charts_take_the_place_of_pieces_until_a_field_is_shown_or_pieces_are_wanted() {
+        let mut stage = stage(two_squares());
+        let pieces = stage.chart_pixels_per_unit();
+        assert!(!stage.shows_layers());
+        let scene = Scene { revision: 1, ..overlapping_squares() };
+        let parts = changed(&mut stage, scene.clone());
+        let layers =
+            [Part::LayerVertices, Part::LayerTriangles, Part::LayerChartTriangles, Part::LayerRims];
+        assert_eq!(parts, layers.map(|part| part as usize));
+        assert_eq!(changed(&mut stage, scene.clone()), [0; 0]);
+        // Another sheet is shown, and its charts are no pieces to point at.
+        assert!(stage.shows_layers() && stage.chart_pixels_per_unit() < pieces);
+        assert_eq!(stage.pick(View::Flat, Vec2::new(250.0, 150.0)), None);
+        assert_eq!(stage.anchors().len(), 6);
+        stage.set_layer_mode(LayerMode::Hard);
+        assert!(stage.shows_layers());
+        stage.set_layer_mode(LayerMode::Pieces);
+        assert!(!stage.shows_layers());
+        assert!((stage.chart_pixels_per_unit() - pieces).abs() < 1e-3);
+        stage.set_layer_mode(LayerMode::Blended);
+        let field = Some(FieldScene::default());
+        stage.set_scene(Scene { values: vec![0.5; 8], field, ..scene }).expect("a good scene");
+        assert!(!stage.shows_layers());
+        assert!((stage.chart_pixels_per_unit() - pieces).abs() < 1e-3);
+    }
+
+    #[test]
+    fn pixels_are_made_when_they_are_wanted_and_an_image_waits_for_its_own() {
+        let mut stage = stage(two_squares());
+        assert_eq!(stage.pixels(), None);
+        stage.set_texture(Texture::Image, 0.1);
+        assert_eq!((stage.texture(), stage.pixels()), (Texture::None, None));
+        let image = Pixels::from_rgba(2, 1, &[9; 8]).expect("an image");
+        let stamp = stage.stamp_of(Part::Pixels);
+        stage.set_image(image.clone());
+        assert_eq!((stage.texture(), stage.pixels()), (Texture::Image, Some(&image)));
+        assert!(stage.stamp_of(Part::Pixels) > stamp);
+        assert_eq!(stage.bytes(Part::Pixels).len(), 12);
+        stage.set_texture(Texture::Spots, 0.1);
+        assert_ne!(stage.pixels(), Some(&image));
+        assert_eq!(stage.texture().number(), 4.0);
+        let stamp = stage.stamp_of(Part::Pixels);
+        stage.set_texture(Texture::Spots, 0.2);
+        assert_eq!(stage.stamp_of(Part::Pixels), stamp);
     }
 
     #[test]

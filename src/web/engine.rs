@@ -4,6 +4,7 @@ use js_sys::{Array, Float32Array, Object, Reflect, Uint8Array, Uint32Array};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
+use crate::session::scene::{LayerScene, PatchScene};
 use crate::session::{Command, Event, Problem, Scene, Session};
 
 #[wasm_bindgen]
@@ -147,17 +148,8 @@ fn scene_object(scene: &Scene) -> Result<JsValue, JsValue> {
     ] {
         set(&object, key, &Uint32Array::from(values.as_slice()))?;
     }
-    let patches = Array::new();
-    for patch in &scene.patches {
-        let item = Object::new();
-        set(&item, "color", &patch.color.into())?;
-        set(&item, "area_fraction", &patch.area_fraction.into())?;
-        set(&item, "anchor", &numbers(&patch.anchor))?;
-        set(&item, "flipped", &patch.flipped.into())?;
-        set(&item, "has_chart", &patch.has_chart.into())?;
-        patches.push(&item);
-    }
-    set(&object, "patches", &patches)?;
+    set(&object, "patches", &patch_objects(&scene.patches)?)?;
+    set(&object, "layers", &scene.layers.as_ref().map_or(Ok(JsValue::NULL), layers_object)?)?;
     set(&object, "sheet", &numbers(&scene.sheet))?;
     set(&object, "is_folded", &scene.is_folded.into())?;
     set(&object, "revision", &scene.revision.into())?;
@@ -177,6 +169,43 @@ fn scene_object(scene: &Scene) -> Result<JsValue, JsValue> {
         }
     };
     set(&object, "field", &field)?;
+    Ok(object.into())
+}
+
+fn patch_objects(patches: &[PatchScene]) -> Result<JsValue, JsValue> {
+    let items = Array::new();
+    for patch in patches {
+        let item = Object::new();
+        set(&item, "color", &patch.color.into())?;
+        set(&item, "area_fraction", &patch.area_fraction.into())?;
+        set(&item, "anchor", &numbers(&patch.anchor))?;
+        set(&item, "flipped", &patch.flipped.into())?;
+        set(&item, "has_chart", &patch.has_chart.into())?;
+        items.push(&item);
+    }
+    Ok(items.into())
+}
+
+fn layers_object(layers: &LayerScene) -> Result<JsValue, JsValue> {
+    let object = Object::new();
+    for (key, values) in [
+        ("positions", &layers.positions),
+        ("normals", &layers.normals),
+        ("uvs", &layers.uvs),
+        ("places", &layers.places),
+        ("weights", &layers.weights),
+    ] {
+        set(&object, key, &Float32Array::from(values.as_slice()))?;
+    }
+    for (key, values) in [
+        ("vertex_charts", &layers.vertex_charts),
+        ("triangles", &layers.triangles),
+        ("rims", &layers.rims),
+    ] {
+        set(&object, key, &Uint32Array::from(values.as_slice()))?;
+    }
+    set(&object, "charts", &patch_objects(&layers.charts)?)?;
+    set(&object, "sheet", &numbers(&layers.sheet))?;
     Ok(object.into())
 }
 

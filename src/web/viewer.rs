@@ -2,11 +2,13 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "JavaScript has f64 alone; `as` saturates")]
 
-use crate::session::scene::{FieldScene, PatchScene, Scene};
+use crate::session::scene::{FieldScene, LayerScene, PatchScene, Scene};
 use crate::viewer::arrays::NONE;
 use crate::viewer::camera::Viewport;
 use crate::viewer::canvas::{Backend, Canvas};
 use crate::viewer::cones::Marks;
+use crate::viewer::layers::LayerMode;
+use crate::viewer::pixels::Pixels;
 use crate::viewer::stage::{Pick, Stage, Texture, View};
 use glam::Vec2;
 use js_sys::{Array, Float32Array, Object, Reflect, Uint32Array};
@@ -60,12 +62,32 @@ impl Viewer {
         self.stage.set_theme(dark);
     }
 
-    /// `none`, `checkerboard`, `grid` or `circles` on every piece, and the side of a cell in the unit of the charts: 0 for
-    /// one that suits the surface.
+    /// `none`, `checkerboard`, `grid`, `circles`, `spots`, `marble` or `image` on every piece, and the side of a cell in the unit of the
+    /// charts: 0 for one that suits the surface.
     pub fn set_texture(&mut self, name: &str, cell: f32) -> Result<(), JsError> {
         let texture = Texture::from_name(name)
             .ok_or_else(|| JsError::new(&format!("no texture is called {name}")))?;
         self.stage.set_texture(texture, cell);
+        Ok(())
+    }
+
+    /// `[width, height]` that an image of so many pixels has to be scaled to before it is handed over; throws where it has none.
+    pub fn image_size(width: u32, height: u32) -> Result<Vec<u32>, JsError> {
+        Ok(Pixels::fit(width, height)?.to_vec())
+    }
+
+    /// Takes the image of the texture `image`: four bytes RGBA a pixel, row by row from the top. Throws, and keeps the old one,
+    /// where it is none.
+    pub fn set_image(&mut self, width: u32, height: u32, rgba: &[u8]) -> Result<(), JsError> {
+        self.stage.set_image(Pixels::from_rgba(width, height, rgba)?);
+        Ok(())
+    }
+
+    /// How overlapping charts are shown, where the scene has some: `pieces` (not at all), `blended` or `hard`.
+    pub fn set_layers(&mut self, name: &str) -> Result<(), JsError> {
+        let mode = LayerMode::from_name(name)
+            .ok_or_else(|| JsError::new(&format!("layers cannot be shown {name}")))?;
+        self.stage.set_layer_mode(mode);
         Ok(())
     }
 
@@ -211,23 +233,11 @@ fn at(view: u32) -> View {
 ///
 /// Shapes are checked here, lengths and indices by the stage.
 fn read_scene(object: &JsValue) -> Result<Scene, JsError> {
-    let floats = |name: &str| -> Result<Vec<f32>, JsError> {
-        let array = get(object, name)?;
-        match array.dyn_ref::<Float32Array>() {
-            Some(array) => Ok(array.to_vec()),
-            None => Err(wrong(name, "a Float32Array")),
-        }
-    };
-    let integers = |name: &str| -> Result<Vec<u32>, JsError> {
-        let array = get(object, name)?;
-        match array.dyn_ref::<Uint32Array>() {
-            Some(array) => Ok(array.to_vec()),
-            None => Err(wrong(name, "a Uint32Array")),
-        }
-    };
-    let patches = get(object, "patches")?;
-    let patches = patches.dyn_ref::<Array>().ok_or_else(|| wrong("patches", "an array"))?;
+    let floats = |name: &str| floats_of(object, name);
+    let integers = |name: &str| integers_of(object, name);
     let field = get(object, "field")?;
+    let layers = get(object, "layers")?;
+    let is_none = |value: &JsValue| value.is_null() || value.is_undefined();
     Ok(Scene {
         positions: floats("positions")?,
         normals: floats("normals")?,
@@ -238,13 +248,9 @@ fn read_scene(object: &JsValue) -> Result<Scene, JsError> {
         triangle_faces: integers("triangle_faces")?,
         rims: integers("rims")?,
         rim_partners: integers("rim_partners")?,
-        patches: patches.iter().map(|patch| read_patch(&patch)).collect::<Result<_, _>>()?,
+        patches: read_patches(object, "patches")?,
         sheet: numbers(object, "sheet")?,
-        field: if field.is_null() || field.is_undefined() {
-            None
-        } else {
-            Some(read_field(&field)?)
-        },
+        field: if is_none(&field) { None } else { Some(read_field(&field)?) },
         mark_points: floats("mark_points")?,
         mark_segments: floats("mark_segments")?,
         cone_points: floats("cone_points")?,
@@ -252,7 +258,43 @@ fn read_scene(object: &JsValue) -> Result<Scene, JsError> {
         cone_charts: integers("cone_charts")?,
         is_folded: get(object, "is_folded")?.is_truthy(),
         revision: number(object, "revision")? as u32,
+        layers: if is_none(&layers) { None } else { Some(read_layers(&layers)?) },
     })
+}
+
+fn read_layers(object: &JsValue) -> Result<LayerScene, JsError> {
+    Ok(LayerScene {
+        positions: floats_of(object, "positions")?,
+        normals: floats_of(object, "normals")?,
+        uvs: floats_of(object, "uvs")?,
+        places: floats_of(object, "places")?,
+        weights: floats_of(object, "weights")?,
+        vertex_charts: integers_of(object, "vertex_charts")?,
+        triangles: integers_of(object, "triangles")?,
+        rims: integers_of(object, "rims")?,
+        charts: read_patches(object, "charts")?,
+        sheet: numbers(object, "sheet")?,
+    })
+}
+
+fn floats_of(object: &JsValue, name: &str) -> Result<Vec<f32>, JsError> {
+    match get(object, name)?.dyn_ref::<Float32Array>() {
+        Some(array) => Ok(array.to_vec()),
+        None => Err(wrong(name, "a Float32Array")),
+    }
+}
+
+fn integers_of(object: &JsValue, name: &str) -> Result<Vec<u32>, JsError> {
+    match get(object, name)?.dyn_ref::<Uint32Array>() {
+        Some(array) => Ok(array.to_vec()),
+        None => Err(wrong(name, "a Uint32Array")),
+    }
+}
+
+fn read_patches(object: &JsValue, name: &str) -> Result<Vec<PatchScene>, JsError> {
+    let patches = get(object, name)?;
+    let patches = patches.dyn_ref::<Array>().ok_or_else(|| wrong(name, "an array"))?;
+    patches.iter().map(|patch| read_patch(&patch)).collect()
 }
 
 fn read_patch(object: &JsValue) -> Result<PatchScene, JsError> {

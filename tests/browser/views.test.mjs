@@ -11,7 +11,12 @@ import { decodePng, difference } from "./pixels.mjs";
 
 const MESH = ellipsoid(4);
 const CANVASES = ["Surface view", "Flattened view"];
-const TEXTURES = ["none", "checkerboard", "grid", "circles"];
+const TEXTURES = ["none", "checkerboard", "grid", "circles", "spots", "marble"];
+/** Sixteen pixels squared: stripes of pure green and white. */
+const STRIPES = Buffer.from(
+  "iVBORw0KGgoAAAANSUhEUgAAABAAAAAQCAIAAACQkWg2AAAAGUlEQVR42mNg+M8AR/+RAE7xUQ2jGoavBgAmef4Qq9bxhQAAAABJRU5ErkJggg==",
+  "base64",
+);
 /** Mean difference of the backends' pictures, of 255: see page.test.mjs. */
 const ALIKE = 3;
 /** Desktop, a small laptop, a phone. */
@@ -68,6 +73,33 @@ for (const renderer of RENDERERS) {
           }
         }
       }
+    });
+
+    it("can be an image of one's own, chosen or dropped, and what is none is refused", async () => {
+      await choice().selectOption("none");
+      const plain = await picture(CANVASES[0]);
+      const input = browser.page.getByLabel("Texture image", { exact: true });
+      await input.setInputFiles({ name: "stripes.png", mimeType: "image/png", buffer: STRIPES });
+      await page.until("the image as texture", () => choice().inputValue(), (name) => name === "image");
+      for (const label of CANVASES) {
+        const { rgb } = await picture(label);
+        // Pure green is in the image and nowhere else on the page; light may darken it.
+        let green = 0;
+        for (let i = 0; i < rgb.length; i += 3) green += rgb[i + 1] > 80 && rgb[i] < 70 && rgb[i + 2] < 70 ? 1 : 0;
+        assert.ok(green > 500, `${label}: ${green} green pixels`);
+      }
+      await screenshot(browser.page, `${renderer.name}-texture-image`);
+      await choice().selectOption("none");
+      assert.ok(difference(plain, await picture(CANVASES[0])) < 0.1, "none is what it was");
+      await choice().selectOption("image");
+      assert.equal(await choice().inputValue(), "image", "an image that is there is shown at once");
+      await input.setInputFiles({ name: "notes.png", mimeType: "image/png", buffer: Buffer.from("no image") });
+      const [what, , todo] = await page.error();
+      assert.match(what, /^notes\.png is no image/);
+      assert.match(todo, /PNG/);
+      await page.press("Dismiss");
+      assert.equal(await choice().inputValue(), "image");
+      await choice().selectOption("checkerboard");
     });
 
     it("is drawn over a field as well", async () => {

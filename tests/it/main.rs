@@ -8,6 +8,7 @@
     reason = "a test may stop where it meets what it does not expect, and reads and writes files"
 )]
 
+mod atlases;
 mod baselines;
 mod charts;
 mod closed_curves;
