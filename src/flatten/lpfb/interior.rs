@@ -133,13 +133,23 @@ impl<'a> InteriorSystem<'a> {
     /// **Takes** a place for each vertex of the patch, of which those on the rim count. **Costs** a solve of two columns for the map and for each step.
     pub fn fill(&mut self, places: &mut [Point2<f64>], rigid_steps: usize) {
         let mut x: Vec<Complex<f64>> = places.iter().map(|p| Complex::new(p.x, p.y)).collect();
-        let mut loads = vec![Complex::default(); x.len()];
+        let loads = vec![Complex::default(); x.len()];
         self.solve(&mut x, &loads);
-        let rests: Vec<[Complex<f64>; 3]> = if rigid_steps > 0 {
-            (0..self.patch.faces.len()).map(|f| self.rest(f)).collect()
-        } else {
-            vec![]
-        };
+        for (place, z) in places.iter_mut().zip(x) {
+            *place = Point2::new(z.re, z.im);
+        }
+        self.refine(places, rigid_steps);
+    }
+
+    /// Local/global steps towards true lengths from a map that is there.
+    pub fn refine(&mut self, places: &mut [Point2<f64>], rigid_steps: usize) {
+        if rigid_steps == 0 {
+            return;
+        }
+        let mut x: Vec<Complex<f64>> = places.iter().map(|p| Complex::new(p.x, p.y)).collect();
+        let mut loads = vec![Complex::default(); x.len()];
+        let rests: Vec<[Complex<f64>; 3]> =
+            (0..self.patch.faces.len()).map(|f| self.rest(f)).collect();
         for _ in 0..rigid_steps {
             loads.fill(Complex::default());
             for (f, corners) in self.patch.corners.iter().enumerate() {

@@ -46,10 +46,29 @@ pub(super) struct Member {
 
 /// A merge that passes.
 struct Offer {
-    key: f64,
     removed: Vec<EdgeId>,
     darts: Vec<EdgeId>,
     map: Map,
+}
+
+/// A way to merge a pair: the seam that goes, and what is known of it.
+struct Way {
+    edges: Vec<EdgeId>,
+    /// What A_abs + .01 is multiplied with to make its key.
+    factor: f64,
+    /// Its key if there is an offer, else a lower bound of it: the bits of a positive number, which are ordered like it.
+    rank: u64,
+    /// Whether it has waited once already.
+    has_waited: bool,
+    offer: Option<Offer>,
+}
+
+/// What became of a trial.
+enum Tried {
+    Passed(Offer),
+    /// The boundary alone says that the key is at least this: others come first.
+    Later(f64),
+    Failed,
 }
 
 /// Merges charts into patches that flatten, one bounded step at a time.
@@ -69,7 +88,11 @@ pub struct MergeFlow {
     pub(super) members: Vec<Option<Member>>,
     /// Curves between patches that are still there.
     between: BTreeMap<[u32; 2], Vec<u32>>,
-    offers: BTreeMap<[u32; 2], Option<Offer>>,
+    /// Ways to merge each pair.
+    ways: BTreeMap<[u32; 2], Vec<Option<Way>>>,
+    /// All ways by rank.
+    queue: BTreeSet<(u64, [u32; 2], u32)>,
+    /// Pairs whose ways have yet to be listed.
     pending: BTreeSet<[u32; 2]>,
     /// Curves that the paper's strategy has yet to look at.
     unseen: BTreeSet<u32>,
@@ -110,7 +133,8 @@ impl MergeFlow {
             curves: Vec::new(),
             members: Vec::new(),
             between: BTreeMap::new(),
-            offers: BTreeMap::new(),
+            ways: BTreeMap::new(),
+            queue: BTreeSet::new(),
             pending: BTreeSet::new(),
             unseen: BTreeSet::new(),
             rejected: BTreeMap::new(),
@@ -165,7 +189,8 @@ impl MergeFlow {
             })
             .collect();
         self.between.clear();
-        self.offers.clear();
+        self.ways.clear();
+        self.queue.clear();
         for (i, curve) in self.curves.iter().enumerate() {
             self.between.entry(curve.charts).or_default().push(small(i));
         }
@@ -251,12 +276,21 @@ impl MergeFlow {
 
     fn joined_faces(&self, pair: [u32; 2]) -> Vec<FaceId> {
         let parts = pair.map(|p| self.members[p as usize].as_ref());
-        parts.iter().flatten().flat_map(|m| m.faces.iter().copied()).collect()
+        let mut faces: Vec<FaceId> =
+            parts.iter().flatten().flat_map(|m| m.faces.iter().copied()).collect();
+        // In increasing order, as the check and the pipeline have them: ties between virtual cuts are then decided alike.
+        faces.sort_unstable();
+        faces
     }
 
     /// Options in force.
     pub fn params(&self) -> &MergeParams {
         &self.params
+    }
+
+    /// KNOBS
+    pub fn counts(&self) -> [usize; 4] {
+        self.bench.counts
     }
 
     /// How it stands.
@@ -286,9 +320,9 @@ impl MergeFlow {
         let is_looser = params.loosens(&self.params);
         self.params = params;
         if is_looser {
-            self.offers.retain(|_, offer| offer.is_some());
-            self.pending =
-                self.between.keys().filter(|pair| !self.offers.contains_key(*pair)).copied().collect();
+            self.ways.clear();
+            self.queue.clear();
+            self.pending = self.between.keys().copied().collect();
             self.unseen = self.between.values().flatten().copied().collect();
             self.next_zip = 0;
             self.state.phase = MergePhase::Merging;
@@ -320,82 +354,132 @@ impl MergeFlow {
         !is_apart && p.area + q.area <= self.params.max_patch_area * self.total_area * (1.0 + 1e-12)
     }
 
-    /// Tries all ways to merge a pair; gives the best that passes.
-    fn best_offer(&mut self, pair: [u32; 2]) -> Option<Offer> {
+    /// Lists the ways to merge a pair: all its curves at once, and each alone.
+    fn list_ways(&mut self, pair: [u32; 2]) {
         if !self.may_join(pair) {
-            return None;
+            return;
         }
-        let curves = self.between.get(&pair)?.clone();
-        let mut ways: Vec<Vec<EdgeId>> = Vec::new();
+        let Some(curves) = self.between.get(&pair) else { return };
+        let edges_of = |c: &u32| self.curves[*c as usize].edges.clone();
+        let mut ways: Vec<Vec<EdgeId>> = curves.iter().map(edges_of).collect();
         if curves.len() > 1 {
-            ways.push(curves.iter().flat_map(|&c| self.curves[c as usize].edges.clone()).collect());
+            ways.push(curves.iter().flat_map(edges_of).collect());
         }
-        ways.extend(curves.iter().map(|&c| self.curves[c as usize].edges.clone()));
-        let mut best: Option<Offer> = None;
+        let [p, q] = pair.map(|i| self.members[i as usize].as_ref().map_or(0.0, |m| m.area));
+        let smaller = (p.min(q) / self.total_area).powf(SMALL_FIRST);
+        let mut listed = Vec::new();
         for edges in ways {
-            if let Some(offer) = self.offer(pair, &edges, true) {
-                if best.as_ref().is_none_or(|b| offer.key < b.key) {
-                    best = Some(offer);
-                }
+            let mut removed = self.bench.remove(&edges);
+            self.bench.zip(&mut removed);
+            removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+            let length: f64 = removed.iter().map(|&e| self.bench.geometry.edge_length(e)).sum();
+            listed.push((length > 0.0).then(|| {
+                let factor = smaller / length;
+                Way { edges, factor, rank: (GROUND * factor).to_bits(), has_waited: false, offer: None }
+            }));
+        }
+        for (i, way) in listed.iter().enumerate() {
+            self.queue.extend(way.as_ref().map(|way| (way.rank, pair, small(i))));
+        }
+        self.ways.insert(pair, listed);
+    }
+
+    /// Forgets the ways to merge a pair.
+    fn drop_ways(&mut self, pair: [u32; 2]) {
+        for (i, way) in self.ways.remove(&pair).into_iter().flatten().enumerate() {
+            if let Some(way) = way {
+                self.queue.remove(&(way.rank, pair, small(i)));
             }
         }
-        best
     }
 
     /// One trial, and more with darts where they may help. The cut is as before afterwards.
-    fn offer(&mut self, pair: [u32; 2], edges: &[EdgeId], zips: bool) -> Option<Offer> {
+    ///
+    /// **Takes** the A_tot from which on others come first.
+    fn try_way(&mut self, pair: [u32; 2], edges: &[EdgeId], enough: f64, zips: bool) -> Tried {
         let mut removed = self.bench.remove(edges);
         if removed.is_empty() {
-            return None;
+            return Tried::Failed;
         }
         if zips {
             self.bench.zip(&mut removed);
         }
-        let mut darts = Vec::new();
-        let map = self.flatten_with_darts(pair, &removed, &mut darts, zips);
-        darts.iter().for_each(|&e| self.bench.set_cut(e, false));
+        let tried = self.try_cut(pair, &removed, enough, zips);
         removed.iter().for_each(|&e| self.bench.set_cut(e, true));
-        let map = map?;
-        let length: f64 = removed.iter().map(|&e| self.bench.geometry.edge_length(e)).sum();
-        let [p, q] = pair.map(|i| self.members[i as usize].as_ref().map_or(0.0, |m| m.area));
-        let key = (map.measures.area_absolute + GROUND) / length
-            * (p.min(q) / self.total_area).powf(SMALL_FIRST);
-        Some(Offer { key, removed, darts, map })
+        match tried {
+            Ok((map, darts)) => Tried::Passed(Offer { removed, darts, map }),
+            Err(Reject::Later(bound)) => Tried::Later(bound),
+            Err(_) => Tried::Failed,
+        }
     }
 
-    fn flatten_with_darts(
+    /// A map of a pair along the present cut, and the darts that it needs.
+    fn try_cut(
         &mut self,
         pair: [u32; 2],
         removed: &[EdgeId],
-        darts: &mut Vec<EdgeId>,
+        enough: f64,
         allows_darts: bool,
-    ) -> Option<Map> {
+    ) -> Result<(Map, Vec<EdgeId>), Reject> {
         let faces = self.joined_faces(pair);
-        let mut left = match self.params.measure {
-            AreaMeasure::Absolute if allows_darts => self.params.darts,
-            _ => 0,
-        };
         let mut key = removed.iter().fold(0, |key, e| key ^ hash(1, e.0));
         for member in pair.iter().filter_map(|&p| self.members[p as usize].as_ref()) {
             key ^= member.hash;
         }
-        loop {
-            let limits = Limits { wants_dart: left > 0, ..self.limits() };
-            if self.rejected.get(&key).is_some_and(|reject| limits.still_reject(reject)) {
-                return None;
+        let count = match self.params.measure {
+            AreaMeasure::Absolute if allows_darts => self.params.darts,
+            _ => 0,
+        };
+        let wanted = Limits { enough, ..self.limits() };
+        let failure = match self.flatten_once(key, &faces, &Limits { wants_darts: count > 0, ..wanted }) {
+            Ok(map) => return Ok((map, Vec::new())),
+            Err(failure) => failure,
+        };
+        // What darts lead to is not postponed: the boundary without them says nothing about it.
+        let wanted = Limits { enough: f64::INFINITY, ..wanted };
+        let first_darts = failure.darts;
+        for kind in 0..first_darts.len() {
+            if first_darts[..kind].contains(&first_darts[kind]) {
+                continue;
             }
-            let Failure { reject, dart } = match self.bench.flatten(&faces, &limits) {
-                Ok(map) => return Some(map),
-                Err(failure) => failure,
-            };
-            self.rejected.insert(key, reject);
-            left = left.saturating_sub(1);
-            for e in dart? {
-                self.bench.set_cut(e, true);
-                darts.push(e);
-                key ^= hash(1, e.0);
+            let (mut darts, mut key, mut next) = (Vec::new(), key, first_darts[kind].clone());
+            let mut found = None;
+            for left in (0..count).rev() {
+                let Some(dart) = next else { break };
+                for e in dart {
+                    self.bench.set_cut(e, true);
+                    darts.push(e);
+                    key ^= hash(1, e.0);
+                }
+                let limits = Limits { wants_darts: left > 0, ..wanted };
+                match self.flatten_once(key, &faces, &limits) {
+                    Ok(map) => {
+                        found = Some(map);
+                        break;
+                    }
+                    Err(Failure { mut darts, .. }) => next = darts[kind].take(),
+                }
+            }
+            darts.iter().for_each(|&e| self.bench.set_cut(e, false));
+            if let Some(map) = found {
+                return Ok((map, darts));
             }
         }
+        Err(failure.reject)
+    }
+
+    /// One trial, unless it is known to fail.
+    fn flatten_once(&mut self, key: u128, faces: &[FaceId], limits: &Limits) -> Result<Map, Failure> {
+        if let Some(reject) = self.rejected.get(&key).filter(|reject| limits.still_reject(reject)) {
+            return Err((*reject).into());
+        }
+        let found = self.bench.flatten(faces, limits);
+        if let Err(Failure { reject, .. }) = &found
+            && !matches!(reject, Reject::Later(_))
+        {
+            self.rejected.insert(key, *reject);
+        }
+        found
     }
 
     fn limits(&self) -> Limits {
@@ -422,6 +506,7 @@ impl MergeFlow {
             return;
         };
         one.faces.extend(other.faces);
+        one.faces.sort_unstable();
         one.charts.extend(other.charts);
         one.labels.extend(other.labels);
         one.is_forced |= other.is_forced || is_forced;
@@ -434,7 +519,7 @@ impl MergeFlow {
         let touched: Vec<[u32; 2]> =
             self.between.keys().filter(|k| k.iter().any(|i| pair.contains(i))).copied().collect();
         for old in touched {
-            self.offers.remove(&old);
+            self.drop_ways(old);
             self.pending.remove(&old);
             let Some(curves) = self.between.remove(&old) else { continue };
             let far = if pair.contains(&old[0]) { old[1] } else { old[0] };
@@ -444,36 +529,50 @@ impl MergeFlow {
             all.sort_unstable();
             self.pending.insert(new);
         }
-        self.offers.remove(&pair);
+        self.drop_ways(pair);
         self.pending.remove(&pair);
         self.state.merges += 1;
     }
 
-    /// Trials until a step is full or all pairs are tried; then the best merge.
+    /// Trials until a step is full or the best merge is known; then that.
+    ///
+    /// Ways wait in one queue, those that were tried by their key, others by a lower bound of it. What comes first and was tried is the best there is.
     fn best_first_step(&mut self) {
+        while let Some(pair) = self.pending.pop_first() {
+            self.list_ways(pair);
+        }
         let before = self.bench.trials;
         while self.bench.trials < before + self.params.trials_per_step {
-            let Some(pair) = self.pending.pop_first() else { break };
-            let offer = self.best_offer(pair);
-            self.offers.insert(pair, offer);
-        }
-        if !self.pending.is_empty() {
-            return;
-        }
-        let mut best: Option<([u32; 2], f64)> = None;
-        for (&pair, offer) in &self.offers {
-            if let Some(offer) = offer
-                && best.is_none_or(|b| offer.key < b.1)
-            {
-                best = Some((pair, offer.key));
-            }
-        }
-        match best.and_then(|(pair, _)| Some((pair, self.offers.remove(&pair)??))) {
-            Some((pair, offer)) => {
+            let Some((_, pair, index)) = self.queue.pop_first() else {
+                self.state.phase = MergePhase::Zipping;
+                return;
+            };
+            let slot = self.ways.get_mut(&pair).and_then(|ways| ways[index as usize].take());
+            let Some(mut way) = slot else { continue };
+            if let Some(offer) = way.offer {
                 self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
                 self.picture();
+                return;
             }
-            None => self.state.phase = MergePhase::Zipping,
+            let next = self.queue.first().map_or(f64::INFINITY, |next| f64::from_bits(next.0));
+            let enough = if way.has_waited { f64::INFINITY } else { next / way.factor - GROUND };
+            let key = match self.try_way(pair, &way.edges, enough, true) {
+                Tried::Failed => continue,
+                Tried::Later(bound) => {
+                    way.has_waited = true;
+                    (bound + GROUND) * way.factor
+                }
+                Tried::Passed(offer) => {
+                    let key = (offer.map.measures.area_absolute + GROUND) * way.factor;
+                    way.offer = Some(offer);
+                    key
+                }
+            };
+            way.rank = key.to_bits();
+            self.queue.insert((way.rank, pair, index));
+            if let Some(ways) = self.ways.get_mut(&pair) {
+                ways[index as usize] = Some(way);
+            }
         }
     }
 
@@ -500,7 +599,7 @@ impl MergeFlow {
                 continue;
             }
             let edges = self.curves[curve as usize].edges.clone();
-            if let Some(offer) = self.offer(pair, &edges, false) {
+            if let Tried::Passed(offer) = self.try_way(pair, &edges, f64::INFINITY, false) {
                 self.merge(pair, &offer.removed, &[], offer.map, false);
                 self.picture();
                 return;
@@ -583,7 +682,7 @@ impl MergeFlow {
                 ("patches", self.state.patches.len() as f64),
                 ("seam length", self.state.seam_length),
                 ("dart length", self.state.dart_length),
-                ("pairs to try", self.pending.len() as f64),
+                ("ways to try", (self.queue.len() + self.pending.len()) as f64),
             ],
             residual: 0.0,
             progress: None,

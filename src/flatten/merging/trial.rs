@@ -22,8 +22,11 @@ const FLAT: f64 = 1e-9;
 /// Longest dart, in roots of its patch's area.
 const DART_LENGTH: f64 = 0.4;
 
+/// Steps towards true lengths are taken where the harmonic map's change of area is at most so many times its limit.
+const STEPS_HOPE: f64 = 1.5;
+
 /// Darts are tried where the change of area is at most so many times its limit: what is further off needs more than two.
-const DART_HOPE: f64 = 2.5;
+const DART_HOPE: f64 = 4.0;
 
 /// Why some faces may not be a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +51,8 @@ pub enum Reject {
     Area(f64),
     /// The L² stretch is too large.
     Stretch(f64),
+    /// A_tot is so large already that other trials come first.
+    Later(f64),
 }
 
 /// What is asked of a patch.
@@ -57,8 +62,10 @@ pub struct Limits {
     pub area: f64,
     pub l2: f64,
     pub rigid_steps: usize,
-    /// Whether a dart is to be found where the change of area is too large.
-    pub wants_dart: bool,
+    /// Whether darts are to be found where the change of area is too large.
+    pub wants_darts: bool,
+    /// A_tot from which on the trial may wait.
+    pub enough: f64,
 }
 
 impl Limits {
@@ -68,7 +75,8 @@ impl Limits {
             area: params.area_limit,
             l2: params.l2_limit,
             rigid_steps: params.rigid_steps,
-            wants_dart: false,
+            wants_darts: false,
+            enough: f64::INFINITY,
         }
     }
 
@@ -81,7 +89,7 @@ impl Limits {
     pub fn still_reject(&self, reject: &Reject) -> bool {
         match *reject {
             Reject::Area(change) => {
-                change > self.area * if self.wants_dart { DART_HOPE } else { 1.0 }
+                change > self.area * if self.wants_darts { DART_HOPE } else { 1.0 }
             }
             Reject::Stretch(stretch) => stretch > self.l2,
             _ => true,
@@ -109,15 +117,15 @@ pub struct Map {
     pub places: Vec<[Point2<f64>; 3]>,
 }
 
-/// Why there is no map, and the dart that may help.
+/// Why there is no map, and the darts of which one may help: from the vertex of the largest angle defect, and from the most compressed one.
 pub struct Failure {
     pub reject: Reject,
-    pub dart: Option<Vec<EdgeId>>,
+    pub darts: [Option<Vec<EdgeId>>; 2],
 }
 
 impl From<Reject> for Failure {
     fn from(reject: Reject) -> Self {
-        Self { reject, dart: None }
+        Self { reject, darts: [None, None] }
     }
 }
 
@@ -134,6 +142,7 @@ pub struct Bench {
     /// Edges that stay cut.
     pub is_kept: Vec<bool>,
     pub trials: usize,
+    pub counts: [usize; 4],
 }
 
 impl Bench {
@@ -145,6 +154,7 @@ impl Bench {
             is_cut: vec![false; mesh.edge_count()],
             is_kept: vec![false; mesh.edge_count()],
             trials: 0,
+            counts: [0; 4],
             mesh,
             geometry,
         }
@@ -227,10 +237,13 @@ impl Bench {
         let total = (shoelace(&outline, &places) - area).abs() / area;
         if !(total <= limits.area) {
             // The polygon alone tells the total, which the absolute change is never below.
-            let has_hope = limits.wants_dart && total <= DART_HOPE * limits.area;
+            let has_hope = limits.wants_darts && total <= DART_HOPE * limits.area;
             if !has_hope {
                 return Err(Reject::Area(total).into());
             }
+        }
+        if total > limits.enough {
+            return Err(Reject::Later(total).into());
         }
         if turns_back(&outline, &places) {
             return Err(Reject::Turning.into());
@@ -245,18 +258,26 @@ impl Bench {
         if !contacts.crossings.is_empty() {
             return Err(Reject::Crossing.into());
         }
+        self.counts[0] += 1;
         let mut system =
             InteriorSystem::new(&patch, &mesh, &geometry).map_err(|_| Reject::Degenerate)?;
-        system.fill(&mut places, limits.rigid_steps);
-        let measures = system.measure(&places);
-        let change = limits.area_of(&measures);
+        system.fill(&mut places, 0);
+        let mut measures = system.measure(&places);
+        let mut change = limits.area_of(&measures);
+        // Steps towards true lengths bring the absolute change down by a tenth or two, never by so much.
+        if limits.rigid_steps > 0 && change <= limits.area * if limits.wants_darts { DART_HOPE } else { STEPS_HOPE } {
+            self.counts[1] += 1;
+            system.refine(&mut places, limits.rigid_steps);
+            measures = system.measure(&places);
+            change = limits.area_of(&measures);
+        }
         if !(change <= limits.area) {
-            let dart = if limits.wants_dart && change <= DART_HOPE * limits.area {
-                self.dart(&patch, &places, area)
+            let darts = if limits.wants_darts && change <= DART_HOPE * limits.area {
+                self.darts(&patch, &places, area)
             } else {
-                None
+                [None, None]
             };
-            return Err(Failure { reject: Reject::Area(change), dart });
+            return Err(Failure { reject: Reject::Area(change), darts });
         }
         if measures.flipped > 0 {
             return Err(Reject::Flipped(measures.flipped).into());
@@ -282,27 +303,35 @@ impl Bench {
         })
     }
 
-    /// The shortest way from the most compressed inner vertex of positive curvature to the rim, if it is short.
-    fn dart(&self, patch: &Patch, places: &[Point2<f64>], area: f64) -> Option<Vec<EdgeId>> {
-        let (mesh, geometry) = (&*self.mesh, &*self.geometry);
+    /// Two darts that may help: from the inner vertex of the smallest angle sum, and from the one of positive curvature that is most compressed.
+    fn darts(&self, patch: &Patch, places: &[Point2<f64>], area: f64) -> [Option<Vec<EdgeId>>; 2] {
         let mut sums = vec![[0.0f64; 2]; patch.vertices.len()];
         for (corners, f) in patch.corners.iter().zip(&patch.faces) {
             let [a, b, c] = corners.map(|v| places[v as usize]);
             let flat = 0.5 * (b - a).perp(&(c - a));
             for v in corners {
                 sums[*v as usize][0] += flat;
-                sums[*v as usize][1] += geometry.face_areas[f.index()];
+                sums[*v as usize][1] += self.geometry.face_areas[f.index()];
             }
         }
-        let mut worst: Option<(f64, usize)> = None;
+        let mut best: [Option<(f64, usize)>; 2] = [None, None];
         for (v, [flat, true_area]) in sums.iter().enumerate() {
-            let is_tip = !patch.is_rim[v] && self.angle_sums[patch.vertices[v].index()] < TAU - FLAT;
-            let ratio = flat / true_area;
-            if is_tip && ratio < worst.map_or(1.0, |w| w.0) {
-                worst = Some((ratio, v));
+            let angle_sum = self.angle_sums[patch.vertices[v].index()];
+            if patch.is_rim[v] || angle_sum >= TAU - FLAT {
+                continue;
+            }
+            for (best, ratio) in best.iter_mut().zip([angle_sum / TAU, flat / true_area]) {
+                if ratio < best.map_or(1.0, |b| b.0) {
+                    *best = Some((ratio, v));
+                }
             }
         }
-        let start = worst?.1;
+        best.map(|best| self.way_to_rim(patch, best?.1, area))
+    }
+
+    /// The shortest way from an inner vertex to the rim, if it is short.
+    fn way_to_rim(&self, patch: &Patch, start: usize, area: f64) -> Option<Vec<EdgeId>> {
+        let (mesh, geometry) = (&*self.mesh, &*self.geometry);
         let reach = DART_LENGTH * area.sqrt();
         let mut distances = vec![f64::INFINITY; patch.vertices.len()];
         let mut before: Vec<Option<(EdgeId, u32)>> = vec![None; patch.vertices.len()];
