@@ -18,6 +18,7 @@ use crate::flatten::conformal::{
     Conformal, ConformalError, ConformalParams, ConformalReport, RimCondition, conformal,
     conformal_with_cones,
 };
+use crate::flatten::lpfb::lpfb;
 use crate::flatten::lscm::{dcp, lscm};
 use crate::flatten::split::{Flips, SplitParams, split_overlaps};
 use crate::flatten::{Flattening, TargetError, bff, bff_scaled};
@@ -43,11 +44,12 @@ pub(super) fn specs() -> Vec<ParamSpec> {
                 ("auto", "Automatic"),
                 ("bff", "Boundary first"),
                 ("conformal", "Conformal"),
+                ("lpfb", "Length-preserved boundary"),
                 ("lscm", "LSCM"),
                 ("dcp", "DCP"),
                 ("abf", "ABF++"),
             ],
-            "Automatic takes boundary first flattening, and conformal equivalence with intrinsic flips where that turns triangles over or misses the cones' angles. Least squares (LSCM), spectral (DCP) and angle based (ABF++) maps are there for comparison: they do not keep seams equally long.",
+            "Automatic takes boundary first flattening, and conformal equivalence with intrinsic flips where that turns triangles over or misses the cones' angles; developable patches keep the maps that they were merged by. Length-preserved boundaries (LPFB) have true lengths at the rim exactly, and a harmonic inside. Least squares (LSCM), spectral (DCP) and angle based (ABF++) maps are there for comparison: they do not keep seams equally long.",
         ),
         choice(
             charts,
@@ -97,6 +99,8 @@ pub enum FlattenBy {
     Bff,
     /// Discrete conformal equivalence.
     Conformal,
+    /// Length-preserved free boundary.
+    Lpfb,
     /// Least squares conformal maps.
     Lscm,
     /// Discrete conformal parameterisation, spectral.
@@ -111,6 +115,7 @@ impl FlattenBy {
         match id {
             "bff" => Self::Bff,
             "conformal" => Self::Conformal,
+            "lpfb" => Self::Lpfb,
             "lscm" => Self::Lscm,
             "dcp" => Self::Dcp,
             "abf" => Self::Abf,
@@ -276,6 +281,7 @@ impl Patches<'_> {
             by => {
                 let geometry = measure_opened(&self.opened, &self.points);
                 let (method, flattening) = match by {
+                    FlattenBy::Lpfb => ("lpfb", lpfb(&self.opened, &geometry)?.0),
                     FlattenBy::Lscm => ("lscm", lscm(&self.opened, &geometry)?),
                     FlattenBy::Dcp => ("dcp", dcp(&self.opened, &geometry)?),
                     FlattenBy::Abf => ("abf", abf(&self.opened, &geometry)?),

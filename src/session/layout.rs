@@ -81,6 +81,21 @@ impl Layout {
         Self::whole(surface, cut, points, disks.opened, disks.length, charting, previous)
     }
 
+    /// Takes charts that are there already.
+    pub fn of_maps(
+        surface: &Surface,
+        cut: CutMesh,
+        opened: OpenedMesh,
+        flattening: Flattening,
+        previous: Option<&Packing>,
+    ) -> Self {
+        let points = place(surface, &cut);
+        let geometry = measure_opened(&opened, &points);
+        let made = Made { method: "lpfb", ..Made::default() };
+        let charted = Charted { cut, points, opened, geometry, flattening, made };
+        Self::new(surface, charted, 0.0, previous)
+    }
+
     /// A cut that moves on at once: with charts if it has at most so many patches, without if it has more.
     pub fn sketch(
         surface: &Surface,

@@ -60,10 +60,8 @@ impl Method {
 
 /// All methods and the one at work.
 pub fn event(current: Method) -> Event {
-    let choice = |(id, label, _): (&str, &str, Method)| MethodChoice {
-        id: id.into(),
-        label: label.into(),
-    };
+    let choice =
+        |(id, label, _): (&str, &str, Method)| MethodChoice { id: id.into(), label: label.into() };
     Event::Methods { current: current.id().into(), options: METHODS.map(choice).into() }
 }
 

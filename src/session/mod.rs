@@ -9,7 +9,6 @@
 //!
 //! This is the only floor that serialises. It reads no clock: drivers measure time and hand in budgets.
 
-#[allow(dead_code, reason = "for methods that give weights")]
 mod blending;
 mod brought;
 mod charting;
@@ -71,12 +70,12 @@ pub use method::Method;
 pub use outlines::Outline;
 pub use params::{Effect, Settings};
 pub use regions::FaceSource;
+pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport, RefinedReport};
+pub use scene::Scene;
 pub use segmenting::{
     DevelopReport, DevelopSeconds, DevelopStage, DevelopTable, PhaseFieldReport, Segment,
     SegmentTree,
 };
-pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport, RefinedReport};
-pub use scene::Scene;
 pub use size::settings_for;
 pub use specs::{all_specs, specs, specs_of};
 pub use surface::Surface;
@@ -391,6 +390,10 @@ impl Session {
         );
         if let Some(set) = work.cones.set.as_ref().filter(|_| work.method == Method::Cones) {
             picture::put_cones(&mut scene, surface, layout, set, folded);
+        }
+        let is_flat = folded.is_none();
+        if is_flat && !self.is_running {
+            scene.layers = work.atlas_layers();
         }
         work.revision += 1;
         Some(scene)

@@ -7,10 +7,10 @@
 
 use std::collections::BTreeMap;
 
-use super::{cones, segmenting};
 use super::message::{ParamKind, Value};
 use super::specs::all_specs;
 use super::text::Problem;
+use super::{cones, segmenting};
 use crate::methods::cutflow::{CutFlowParams, Pointwise, Schedule, Scheme, Topology, Weights};
 
 /// Values of all parameters of the cut flow.

@@ -22,9 +22,8 @@ const COLOURS: usize = 9;
 pub const TEMPERATURE: &str = "temperature";
 
 /// Fields that are amounts of paint.
-const AMOUNTS: [&str; 8] = [
-    "penalty", "heat", "pin", "importance", "unimportant", "cone_cost", "excluded", "seam_paint",
-];
+const AMOUNTS: [&str; 8] =
+    ["penalty", "heat", "pin", "importance", "unimportant", "cone_cost", "excluded", "seam_paint"];
 
 /// Bins of a field's histogram.
 const BINS: usize = 32;
@@ -135,7 +134,8 @@ impl<'a> Painted<'a> {
 
     /// Fields without a sign; all others have zero in the middle of their colours.
     fn is_signed(&self) -> bool {
-        !["regions", "flux", "weight", "normal_error"].contains(&self.id) && !AMOUNTS.contains(&self.id)
+        !["regions", "flux", "weight", "normal_error"].contains(&self.id)
+            && !AMOUNTS.contains(&self.id)
     }
 
     /// Whether each patch has values of its own: then points on cuts take those of their own side.
@@ -230,8 +230,9 @@ pub fn scene(
 
 /// What the legend calls a field.
 fn label_of(id: &str) -> String {
-    let mut all =
-        [Method::CutFlow, Method::Cones, Method::PhaseField, Method::Developable].into_iter().flat_map(fields);
+    let mut all = [Method::CutFlow, Method::Cones, Method::PhaseField, Method::Developable]
+        .into_iter()
+        .flat_map(fields);
     all.find(|f| f.id == id).map_or_else(String::new, |f| f.label)
 }
 

@@ -136,7 +136,7 @@ pub struct FlattenReport {
     pub charts: Vec<Option<ChartReport>>,
     /// All charts together.
     pub totals: ChartReport,
-    /// How: `bff`, `conformal`, `lscm`, `dcp` or `abf`.
+    /// How: `bff`, `conformal`, `lpfb`, `lscm`, `dcp` or `abf`.
     pub method: &'static str,
     /// Whether both sides of every seam are equally long in the charts.
     pub seams_equal: bool,

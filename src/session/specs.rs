@@ -79,10 +79,10 @@ pub fn specs_of(method: Method) -> Vec<ParamSpec> {
             charts.retain(|spec| spec.id != "outline");
             [cones::specs(), charts, size()].concat()
         }
-        Method::PhaseField => [segmenting::phase_specs(), finish(), charting::specs(), size()].concat(),
-        Method::Developable => {
-            [segmenting::develop_specs(), charting::specs(), size()].concat()
+        Method::PhaseField => {
+            [segmenting::phase_specs(), finish(), charting::specs(), size()].concat()
         }
+        Method::Developable => [segmenting::develop_specs(), charting::specs(), size()].concat(),
     }
 }
 

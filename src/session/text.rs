@@ -195,7 +195,10 @@ impl Problem {
                 format!("Choose {floor:.3} or more, or remesh the surface with shorter edges."),
             ),
             SolveError::PatchCheck { face } => Self::new(
-                format!("The patch of face {} does not keep its limits when it is flattened anew.", face.0),
+                format!(
+                    "The patch of face {} does not keep its limits when it is flattened anew.",
+                    face.0
+                ),
                 format!("{name}, check of the patches."),
                 "Change a limit a little and merge again.",
             ),

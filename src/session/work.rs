@@ -15,8 +15,9 @@ use super::method::Method;
 use super::params::Settings;
 use super::refining::Refinement;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
+use super::scene::LayerScene;
 use super::segmenting::{
-    Developable, DevelopCheckpoint, DevelopReport, PhaseCheckpoint, PhaseField, PhaseFieldReport,
+    DevelopCheckpoint, DevelopReport, Developable, PhaseCheckpoint, PhaseField, PhaseFieldReport,
     SHOWN_FLAT,
 };
 use super::surface::Surface;
@@ -62,6 +63,8 @@ pub(super) struct Work {
     pub flow: Option<CutFlow>,
     pub history: Vec<HistoryRow>,
     pub layout: Option<Layout>,
+    /// Overlapping charts of the segments at rest, once they were looked at.
+    pub atlas: Option<LayerScene>,
     /// The layout at rest is of the current cut.
     pub is_settled: bool,
     /// Shown, but not cut yet.
@@ -264,6 +267,7 @@ impl Work {
             flow,
             history,
             layout: None,
+            atlas: None,
             is_settled: false,
             first_cut_is_due: false,
             start: None,
@@ -327,6 +331,7 @@ impl Work {
     /// A fold belongs to the layout that it was made of, and so does a refinement.
     fn put_layout(&mut self, layout: Layout) {
         self.layout = Some(layout);
+        self.atlas = None;
         self.fold = None;
         self.refinement = None;
     }
@@ -339,6 +344,18 @@ impl Work {
             let charting = Charting::of(&self.settings);
             let layout = Layout::of_cones(surface, set, &self.seam_cost(), &charting, packing)
                 .map_err(|error| error.problem(&surface.name))?;
+            self.put_layout(layout);
+            self.is_settled = true;
+            self.begin_refinement();
+            return Ok(());
+        }
+        if self.method == Method::Developable
+            && Charting::of(&self.settings).by == FlattenBy::Auto
+            && let Some((cut, opened, flattening)) = self.develop.maps()
+        {
+            // The very maps that pieces were accepted with.
+            let packing = self.layout.as_ref().map(|l| &l.packing);
+            let layout = Layout::of_maps(surface, cut, opened, flattening, packing);
             self.put_layout(layout);
             self.is_settled = true;
             self.begin_refinement();

@@ -82,7 +82,8 @@ fn with_holes(
     for (i, triangle) in triangles.iter().enumerate() {
         let square = i as u32 / 2;
         let at = [square % size[0], square / size[0]];
-        let inside = |[low, high]: &[[u32; 2]; 2]| (0..2).all(|k| low[k] <= at[k] && at[k] < high[k]);
+        let inside =
+            |[low, high]: &[[u32; 2]; 2]| (0..2).all(|k| low[k] <= at[k] && at[k] < high[k]);
         if holes.iter().any(inside) {
             continue;
         }
@@ -106,7 +107,11 @@ fn developable_patches_keep_all_lengths() {
         ("flat", Sheet::flat(), 1),
         ("cylinder", Sheet::cylinder(), 1),
         ("cone", Sheet::cone(), 1),
-        ("flat with holes", with_holes([24, 14], &TWO_HOLES, |s, t| [2.0 * s, t + 0.3 * s, 0.0]), 3),
+        (
+            "flat with holes",
+            with_holes([24, 14], &TWO_HOLES, |s, t| [2.0 * s, t + 0.3 * s, 0.0]),
+            3,
+        ),
         ("cylinder with holes", with_holes([24, 14], &TWO_HOLES, bent), 3),
     ];
     for (name, sheet, loops) in sheets {
@@ -117,10 +122,14 @@ fn developable_patches_keep_all_lengths() {
         // Rounding of sums over some hundred sides.
         assert!(boundary.closure_error < 1e-12 && boundary.angle_error < 1e-9, "{name}");
         assert!(report.length_error_max < 1e-11, "{name}: {}", report.length_error_max);
-        let [_, angle_error] = rim_errors(&sheet.opened, &sheet.geometry, &charts.uv, &report.loops);
+        let [_, angle_error] =
+            rim_errors(&sheet.opened, &sheet.geometry, &charts.uv, &report.loops);
         assert!(angle_error < 1e-9, "{name}: {angle_error}");
         let chart = measures.charts[0].as_ref().unwrap();
-        assert!(chart.area_change.abs() < 1e-9 && chart.area_change_abs < 1e-9, "{name}: {chart:?}");
+        assert!(
+            chart.area_change.abs() < 1e-9 && chart.area_change_abs < 1e-9,
+            "{name}: {chart:?}"
+        );
         assert!((chart.l2_stretch - 1.0).abs() < 1e-9, "{name}: {}", chart.l2_stretch);
         assert!(strain(&sheet, &charts.uv) < 1e-9, "{name}");
         assert_eq!((report.flipped, report.crossings, chart.overlaps), (0, 0, 0), "{name}");
@@ -162,7 +171,10 @@ fn a_cylinder_with_spikes_is_nearly_developable_all_the_same() {
             let chart = measures.charts[0].as_ref().unwrap();
             eprintln!(
                 "{n}x{m} {height}: {:.4} {:.4} {:.4} {:.1e}",
-                chart.area_change, chart.area_change_abs, chart.l2_stretch, report.boundary.unwrap().angle_error
+                chart.area_change,
+                chart.area_change_abs,
+                chart.l2_stretch,
+                report.boundary.unwrap().angle_error
             );
         }
     }

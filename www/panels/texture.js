@@ -84,7 +84,7 @@ export function textureTool(views, host, refuse) {
     if (file) take(file);
   });
   const isMode = (name) => [...atlas.options].some(({ value }) => value === name);
-  atlas.value = [recall(ATLAS_KEY)].find(isMode) ?? "blended";
+  atlas.value = [recall(ATLAS_KEY)].find(isMode) ?? "pieces";
   views.setLayers(atlas.value);
   atlas.addEventListener("change", () => {
     remember(ATLAS_KEY, atlas.value);

@@ -109,6 +109,8 @@ enum Method {
     Bff,
     /// Discrete conformal equivalence with intrinsic flips: exact angles, nothing turned over.
     Conformal,
+    /// True lengths at the rim, angles as near to those of the surface as closes it; a harmonic inside.
+    Lpfb,
     /// Least squares conformal maps.
     Lscm,
     /// Discrete conformal parameterisation, spectral.
@@ -124,6 +126,7 @@ impl Method {
             Self::Auto => "auto",
             Self::Bff => "bff",
             Self::Conformal => "conformal",
+            Self::Lpfb => "lpfb",
             Self::Lscm => "lscm",
             Self::Dcp => "dcp",
             Self::Abf => "abf",

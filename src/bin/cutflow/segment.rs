@@ -10,8 +10,8 @@ use cutflow::session::{
 
 use super::cut::{assignment, bring_layers, typed};
 use super::{
-    MeshArgs, Report, clock, make_folder, open, print_flattening, tell, warn_of_charts,
-    write_cut, write_json, writes_to_stdout,
+    MeshArgs, Report, clock, make_folder, open, print_flattening, tell, warn_of_charts, write_cut,
+    write_json, writes_to_stdout,
 };
 
 #[derive(Clone, Copy, ValueEnum)]

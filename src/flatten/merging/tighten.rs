@@ -117,10 +117,8 @@ impl TightenFlow {
     /// A_abs of a chart and A_abs · area; `None` if it has no map.
     fn weigh(&mut self, charts: &[u32], chart: u32) -> Option<[f64; 2]> {
         let mesh = self.bench.mesh.clone();
-        let faces: Vec<FaceId> =
-            mesh.faces().filter(|f| charts[f.index()] == chart).collect();
-        let area: f64 =
-            faces.iter().map(|f| self.bench.geometry.face_areas[f.index()]).sum();
+        let faces: Vec<FaceId> = mesh.faces().filter(|f| charts[f.index()] == chart).collect();
+        let area: f64 = faces.iter().map(|f| self.bench.geometry.face_areas[f.index()]).sum();
         let map = self.bench.flatten(&faces, &self.limits).ok()?;
         let change = self.limits.area_of(&map.measures);
         Some([change, map.measures.area_absolute * area])
@@ -154,9 +152,8 @@ impl TightenFlow {
         let mut other = charts;
         moved.iter().for_each(|(f, chart)| other[f.index()] = *chart);
         let after = pair.map(|chart| self.weigh(&other, chart));
-        let sum = |worth: [Option<[f64; 2]>; 2]| -> Option<f64> {
-            Some(worth[0]?[1] + worth[1]?[1])
-        };
+        let sum =
+            |worth: [Option<[f64; 2]>; 2]| -> Option<f64> { Some(worth[0]?[1] + worth[1]?[1]) };
         let is_less = match (sum(before), sum(after)) {
             (Some(before), Some(after)) => after <= before + SAME,
             (None, after) => after.is_some(),

@@ -80,9 +80,8 @@ impl Band {
         let mut numbers = vec![u32::MAX; charts.len()];
         let mut faces = Vec::new();
         let mut ring = Vec::new();
-        let across = |f: FaceId| {
-            mesh.face_halfedges(f).into_iter().filter_map(|h| mesh.face(h.twin()))
-        };
+        let across =
+            |f: FaceId| mesh.face_halfedges(f).into_iter().filter_map(|h| mesh.face(h.twin()));
         for f in mesh.faces().filter(|f| pair.contains(&charts[f.index()])) {
             let other = pair[usize::from(charts[f.index()] == pair[0])];
             if across(f).any(|g| charts[g.index()] == other) {

@@ -397,8 +397,7 @@ impl Segmentation for Developable {
                 let mut cut = CutMesh::uncut(&run.mesh);
                 let charts = run.face_charts();
                 let edges = run.mesh.edges().filter(|&e| parts(&run.mesh, charts, e));
-                cut.cut_edges =
-                    edges.map(|e| run.mesh.edge_vertices(e).map(|v| v.0)).collect();
+                cut.cut_edges = edges.map(|e| run.mesh.edge_vertices(e).map(|v| v.0)).collect();
                 cut
             }
         }))
@@ -476,11 +475,8 @@ impl Segmentation for Developable {
             Stage::Merge(_) => 2,
         };
         let is_running = run.status() == Status::Running;
-        let labels = [
-            ("First pieces", true),
-            ("Tighter seams", run.plan.tightens),
-            ("Merged", true),
-        ];
+        let labels =
+            [("First pieces", true), ("Tighter seams", run.plan.tightens), ("Merged", true)];
         let stage = |(i, (label, _)): (usize, &(&str, bool))| {
             let numbers = if i == number { now } else { run.after[i] };
             DevelopStage {
@@ -497,11 +493,8 @@ impl Segmentation for Developable {
 
 /// Whether first pieces are the same.
 fn keeps_charts(old: &Plan, new: &Plan) -> bool {
-    let only_charts = |plan: &Plan| Plan {
-        merge: MergeParams::default(),
-        kept: Rc::default(),
-        ..plan.clone()
-    };
+    let only_charts =
+        |plan: &Plan| Plan { merge: MergeParams::default(), kept: Rc::default(), ..plan.clone() };
     only_charts(old) == only_charts(new)
 }
 
@@ -520,11 +513,8 @@ fn plan(inputs: &Inputs) -> Plan {
         mesh.edges().map(|e| 1.0 + price * paint(&layers.penalty, e)).collect()
     };
     let is_kept = |e: &EdgeId| paint(&layers.seams, *e) >= PAINTED;
-    let kept = if layers.seams.is_empty() {
-        Vec::new()
-    } else {
-        mesh.edges().filter(is_kept).collect()
-    };
+    let kept =
+        if layers.seams.is_empty() { Vec::new() } else { mesh.edges().filter(is_kept).collect() };
     Plan {
         vsa: VsaParams { tolerance: settings.number("vsa_tolerance"), ..VsaParams::default() },
         tightens: settings.is_on("min_cut"),

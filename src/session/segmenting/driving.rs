@@ -14,10 +14,7 @@ impl Session {
     }
 
     /// Runs until the flow ends or is paused.
-    pub(in super::super) fn segment_run(
-        &mut self,
-        events: &mut Vec<Event>,
-    ) -> Result<(), Problem> {
+    pub(in super::super) fn segment_run(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.segment_prepare(events)?;
         self.unmark(events);
         if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {

@@ -6,14 +6,18 @@ use std::f64::consts::SQRT_2;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::super::blending::layers;
 use super::super::message::{Event, NoticeText, Row, Term};
+use super::super::method::Method;
 use super::super::report::FlattenReport;
+use super::super::scene::LayerScene;
 use super::super::surface::Surface;
 use super::super::text::{Problem, plural};
 use super::super::work::Work;
 use super::report::{not_divided, status_word};
 use super::tree::{Segment, SegmentTree, colour};
 use super::{Inputs, PhaseFieldReport, Segmentation, row};
+use crate::flatten::{Atlas, AtlasParams};
 use crate::mesh::CutMesh;
 use crate::methods::cutflow::Initial;
 use crate::methods::flow::{Flow, Status};
@@ -58,8 +62,7 @@ impl PhaseField {
     pub fn checkpoint(&self) -> Option<PhaseCheckpoint> {
         let Some(flow) = &self.flow else { return self.saved.clone() };
         let mut kept = self.kept.borrow_mut();
-        let is_same =
-            |c: &&PhaseCheckpoint| c.steps == flow.steps() && c.params == *flow.params();
+        let is_same = |c: &&PhaseCheckpoint| c.steps == flow.steps() && c.params == *flow.params();
         if kept.as_ref().filter(is_same).is_none() {
             *kept = Some(PhaseCheckpoint {
                 flow: Rc::new(flow.checkpoint()),
@@ -394,7 +397,10 @@ fn first_point(flow: &PhaseFieldFlow) -> Event {
         ("objective", segment.objective),
         ("perimeter", terms.perimeter),
         ("outside", terms.penalty),
-        ("connectedness", segment.objective - terms.perimeter - terms.penalty - omega * terms.yamabe),
+        (
+            "connectedness",
+            segment.objective - terms.perimeter - terms.penalty - omega * terms.yamabe,
+        ),
         ("distortion", omega * terms.yamabe),
     ];
     point(0, &energy)
@@ -416,6 +422,30 @@ fn point(step: usize, energy: &[(&'static str, f64)]) -> Event {
 }
 
 impl Work {
+    /// Overlapping charts of the segments, where a phase field is at rest.
+    pub(in super::super) fn atlas_layers(&mut self) -> Option<LayerScene> {
+        if self.method != Method::PhaseField || !self.is_settled {
+            return None;
+        }
+        if self.atlas.is_none() {
+            let weights = self.phase.leaf_weights().filter(|weights| weights.len() > 1)?;
+            let surface = self.document.surface.as_ref()?;
+            let (mesh, geometry) = (&surface.mesh, &surface.geometry);
+            match Atlas::new(mesh, geometry, &weights, &AtlasParams::default()) {
+                Ok(atlas) => {
+                    let colours: Vec<u8> = (0..weights.len()).map(colour).collect();
+                    self.atlas = Some(layers(surface, &atlas, &colours));
+                }
+                Err(error) => {
+                    let text = format!("There is no atlas of overlapping charts: {error}.");
+                    self.layout.as_mut()?.tell(&text);
+                    self.atlas = Some(LayerScene::default());
+                }
+            }
+        }
+        self.atlas.clone().filter(|layers| !layers.charts.is_empty())
+    }
+
     /// The report of `cutflow phasefield`.
     pub(in super::super) fn phase_report(
         &self,

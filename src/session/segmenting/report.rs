@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
+use super::super::Session;
 use super::super::message::NoticeText;
 use super::super::report::FlattenReport;
 use super::super::text::Problem;
 use super::super::work::Work;
-use super::super::Session;
 use super::tree::Segment;
 use crate::methods::flow::Status;
 

@@ -35,13 +35,7 @@ pub struct VsaParams {
 
 impl Default for VsaParams {
     fn default() -> Self {
-        Self {
-            tolerance: 0.005,
-            max_charts: 5000,
-            rounds: 3,
-            final_rounds: 20,
-            teleport_every: 10,
-        }
+        Self { tolerance: 0.005, max_charts: 5000, rounds: 3, final_rounds: 20, teleport_every: 10 }
     }
 }
 
@@ -146,14 +140,8 @@ impl VsaFlow {
             total: 0.0,
             phase: VsaPhase::Growing,
         };
-        let progress = Progress {
-            regions,
-            state,
-            inserted: 0,
-            settled: 0,
-            steps: 0,
-            status: Status::Running,
-        };
+        let progress =
+            Progress { regions, state, inserted: 0, settled: 0, steps: 0, status: Status::Running };
         let mut flow = Self { mesh, params, flood, progress };
         flow.publish();
         Ok(flow)
