@@ -16,6 +16,7 @@
 pub mod abf;
 pub mod bff;
 mod closing;
+pub mod comparison;
 pub mod conformal;
 mod disks;
 pub mod fixed;
