@@ -17,6 +17,7 @@ pub mod abf;
 pub mod atlas;
 pub mod bff;
 mod closing;
+pub mod comparison;
 pub mod conformal;
 mod disks;
 pub mod fixed;

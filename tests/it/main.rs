@@ -25,6 +25,7 @@ mod golden;
 mod isometric;
 mod lpfb;
 mod measuring;
+mod merging;
 mod mutation;
 mod opening;
 mod paper;

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use super::mirror::Mirror;
 use super::network::{Curve, connected_charts, curves};
 use super::params::{AreaMeasure, MergeParams, MergeStrategy, MergeWishes};
 use super::split::bisect;
@@ -45,6 +46,7 @@ pub(super) struct Member {
 }
 
 /// A merge that passes.
+#[derive(Clone)]
 struct Offer {
     removed: Vec<EdgeId>,
     darts: Vec<EdgeId>,
@@ -52,6 +54,7 @@ struct Offer {
 }
 
 /// A way to merge a pair: the seam that goes, and what is known of it.
+#[derive(Clone)]
 struct Way {
     edges: Vec<EdgeId>,
     /// What A_abs + .01 is multiplied with to make its key.
@@ -97,6 +100,8 @@ pub struct MergeFlow {
     /// Curves that the paper's strategy has yet to look at.
     unseen: BTreeSet<u32>,
     rejected: BTreeMap<u128, Reject>,
+    mirror: Option<Mirror>,
+    member_of_chart: Vec<u32>,
     pub(super) next_zip: usize,
     pub(super) state: MergeState,
     pub(super) step: usize,
@@ -138,11 +143,16 @@ impl MergeFlow {
             pending: BTreeSet::new(),
             unseen: BTreeSet::new(),
             rejected: BTreeMap::new(),
+            mirror: None,
+            member_of_chart: Vec::new(),
             next_zip: 0,
             state: MergeState::default(),
             step: 0,
             status: Status::Running,
         };
+        if let Some(vertices) = &flow.wishes.symmetry {
+            flow.mirror = Some(Mirror::new(&flow.bench.mesh, vertices)?);
+        }
         flow.start()?;
         Ok(flow)
     }
@@ -167,7 +177,19 @@ impl MergeFlow {
         }
         (self.face_charts, self.chart_labels) = connected_charts(&mesh, &self.labels);
         self.state = MergeState::default();
-        let maps = self.split_charts();
+        let mut maps = self.split_charts();
+        // Charts that are no images of each other are divided until they are; pieces of charts that pass may fail and be split once more.
+        for _ in 0..2 {
+            let Some(mirror) = &self.mirror else { break };
+            let (fine, firsts) = mirror.common_labels(&self.face_charts);
+            let old = std::mem::take(&mut self.chart_labels);
+            let (charts, of) = connected_charts(&mesh, &fine);
+            self.face_charts = charts;
+            self.chart_labels =
+                of.into_iter().map(|fine| old[firsts[fine as usize] as usize]).collect();
+            maps = self.split_charts();
+        }
+        self.member_of_chart = (0..small(maps.len())).collect();
         self.curves = curves(&mesh, &geometry, &self.face_charts);
         for curve in &self.curves {
             curve.edges.iter().for_each(|&e| self.bench.set_cut(e, true));
@@ -518,6 +540,9 @@ impl MergeFlow {
         let (Some(mut one), Some(other)) = (self.members[p].take(), self.members[q].take()) else {
             return;
         };
+        for &chart in &other.charts {
+            self.member_of_chart[chart as usize] = pair[0];
+        }
         one.faces.extend(other.faces);
         one.faces.sort_unstable();
         one.charts.extend(other.charts);
@@ -547,6 +572,41 @@ impl MergeFlow {
         self.state.merges += 1;
     }
 
+    /// Merges a pair and its image, or neither. Gives whether it did.
+    fn merge_images(&mut self, pair: [u32; 2], edges: &[EdgeId], offer: Offer) -> bool {
+        let image = self.mirror.as_ref().and_then(|mirror| {
+            let image = pair.map(|i| {
+                let face = self.members[i as usize].as_ref().map_or(FaceId(0), |m| m.faces[0]);
+                self.member_of_chart[self.face_charts[mirror.face(face).index()] as usize]
+            });
+            let image = [image[0].min(image[1]), image[0].max(image[1])];
+            (image != pair).then(|| (image, mirror.edges(edges)))
+        });
+        let Some((image, edges)) = image else {
+            self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
+            return true;
+        };
+        let saved = (self.members.clone(), self.between.clone(), self.ways.clone());
+        let waiting = (self.queue.clone(), self.pending.clone(), self.member_of_chart.clone());
+        let (first_removed, first_darts) = (offer.removed.clone(), offer.darts.clone());
+        self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
+        // Where the two share a patch, it is now part of the first one's union.
+        let image = image.map(|i| if pair.contains(&i) { pair[0] } else { i });
+        let image = [image[0].min(image[1]), image[0].max(image[1])];
+        if self.may_join(image)
+            && let Tried::Passed(other) = self.try_way(image, &edges, f64::INFINITY, true)
+        {
+            self.merge(image, &other.removed, &other.darts, other.map, false);
+            return true;
+        }
+        first_darts.iter().for_each(|&e| self.bench.set_cut(e, false));
+        first_removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+        (self.members, self.between, self.ways) = saved;
+        (self.queue, self.pending, self.member_of_chart) = waiting;
+        self.state.merges -= 1;
+        false
+    }
+
     /// Trials until a step is full or the best merge is known; then that.
     ///
     /// Ways wait in one queue, those that were tried by their key, others by a lower bound of it. What comes first and was tried is the best there is.
@@ -563,9 +623,11 @@ impl MergeFlow {
             let slot = self.ways.get_mut(&pair).and_then(|ways| ways[index as usize].take());
             let Some(mut way) = slot else { continue };
             if let Some(offer) = way.offer {
-                self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
-                self.picture();
-                return;
+                if self.merge_images(pair, &way.edges, offer) {
+                    self.picture();
+                    return;
+                }
+                continue;
             }
             let next = self.queue.first().map_or(f64::INFINITY, |next| f64::from_bits(next.0));
             let enough = if way.has_waited { f64::INFINITY } else { next / way.factor - GROUND };

@@ -13,6 +13,7 @@
 
 mod finish;
 mod flow;
+mod mirror;
 mod network;
 mod params;
 mod split;
