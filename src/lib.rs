@@ -49,7 +49,7 @@
 //!
 //! \[VSC\] Sharp, Crane: *Variational Surface Cutting*, 2018 · \[BFF\] Sawhney, Crane: *Boundary First Flattening*, 2017 ·
 //! \[EW05\] Erickson, Whittlesey: *Greedy Optimal Homotopy and Homology Generators*, 2005 · \[KS98\] Kimmel, Sethian:
-//! *Computing Geodesic Paths on Manifolds*, 1998 · \[PF\] Meny, Rumpf, Sassen: *A Phase-field Approach to Variational Hierarchical Surface Segmentation* · \[MAD\] Soliman, Slepčev, Crane: *Optimal Cone Singularities for Conformal Flattening*, 2018 · \[SSGH01\] Sander et al.: *Texture Mapping Progressive Meshes*, 2001.
+//! *Computing Geodesic Paths on Manifolds*, 1998 · \[PF\] Meny, Rumpf, Sassen: *A Phase-field Approach to Variational Hierarchical Surface Segmentation*, 2021 · \[MAD\] Soliman, Slepčev, Crane: *Optimal Cone Singularities for Conformal Flattening*, 2018 · \[SSGH01\] Sander et al.: *Texture Mapping Progressive Meshes*, 2001.
 
 pub mod flatten;
 pub mod geometry;

@@ -11,7 +11,7 @@ use crate::geometry::Geometry;
 use crate::mesh::{CutMesh, EdgeId, FaceId, Mesh, SurfacePoint, VertexId};
 
 /// No crossing, no entry.
-pub(in crate::methods) const NONE: u32 = u32::MAX;
+pub(in super::super) const NONE: u32 = u32::MAX;
 
 /// Crossings keep this relative distance from vertices, so that sub-triangles keep an area. Larger values move the cut:
 /// snapping to [.01, .99] raises the error of the flux twentyfold; smaller ones lose the areas to rounding.
@@ -19,7 +19,7 @@ const CLAMP: f64 = 1e-6;
 
 /// A point where the cut crosses an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::methods) struct Crossing {
+pub(in super::super) struct Crossing {
     pub edge: EdgeId,
     /// Position from the tail of the edge's first halfedge.
     pub t: f64,
@@ -31,14 +31,14 @@ pub(in crate::methods) struct Crossing {
 
 /// One end of a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::methods) enum Node {
+pub(in super::super) enum Node {
     Crossing(u32),
     Centre(u32),
 }
 
 /// A straight piece of the cut inside a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::methods) struct Segment {
+pub(in super::super) struct Segment {
     pub ends: [Node; 2],
     pub face: FaceId,
     /// The two labels that it separates, smaller first.
@@ -50,7 +50,7 @@ pub(in crate::methods) struct Segment {
 
 /// A face that the cut runs through.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::methods) struct CrossedFace {
+pub(in super::super) struct CrossedFace {
     pub face: FaceId,
     /// The crossing on each side, [`NONE`] where there is none.
     pub crossings: [u32; 3],
@@ -64,7 +64,7 @@ pub(in crate::methods) struct CrossedFace {
 
 /// A corner of a sub-triangle of a crossed face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::methods) enum Corner {
+pub(in super::super) enum Corner {
     /// Corner `i` of the face.
     Vertex(usize),
     /// The crossing on side `i`.
@@ -75,7 +75,7 @@ pub(in crate::methods) enum Corner {
 
 /// The whole cut.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::methods) struct Cut {
+pub(in super::super) struct Cut {
     pub crossings: Vec<Crossing>,
     /// The faces with triple points, each the mean of its three crossings.
     pub centres: Vec<u32>,
@@ -87,7 +87,7 @@ pub(in crate::methods) struct Cut {
 
 /// Faces laid out flat: corner 0 at the origin, corner 1 on the x axis, corner 2 above it.
 #[derive(Clone, Debug)]
-pub(in crate::methods) struct Frames(Vec<[f64; 3]>);
+pub(in super::super) struct Frames(Vec<[f64; 3]>);
 
 impl Frames {
     pub fn new(mesh: &Mesh, geometry: &Geometry) -> Self {
@@ -312,7 +312,7 @@ impl Cut {
 
 /// Places of corners, crossings and triple point of one face in its frame.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::methods) struct FacePoints {
+pub(in super::super) struct FacePoints {
     pub corners: [Vector2<f64>; 3],
     pub sides: [Vector2<f64>; 3],
     pub centre: Vector2<f64>,
@@ -400,7 +400,7 @@ fn halves(lone: u8) -> [[[Corner; 3]; 2]; 2] {
 
 /// Up to six sub-triangles with their weights, without allocation.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::methods) struct SubTriangles {
+pub(in super::super) struct SubTriangles {
     all: [([Corner; 3], f64); 6],
     count: usize,
     next: usize,

@@ -25,7 +25,7 @@ use crate::mesh::{Mesh, VertexId};
 use crate::methods::flow::SolveError;
 
 pub(super) use noise::smooth_noise;
-pub(in crate::methods) use noise::uniform;
+pub(in super::super) use noise::uniform;
 
 /// Where a run starts. Places and lengths are those of the unit-area geometry.
 #[derive(Clone, Debug, PartialEq)]

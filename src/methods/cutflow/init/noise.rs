@@ -48,7 +48,7 @@ fn noise(state: &mut u64) -> f64 {
 }
 
 /// The next number of a SplitMix64 sequence, uniform in [0, 1).
-pub(in crate::methods) fn uniform(state: &mut u64) -> f64 {
+pub(in super::super::super) fn uniform(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
