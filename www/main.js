@@ -139,8 +139,16 @@ const segments = segmentsPanel({
     await client.command({ type: "select_segment", node });
     showField("weight");
   },
+  handOver: () => changing("Starting the cut flow from these segments", { type: "hand_over" }),
 });
-const growth = growthPanel();
+const growth = growthPanel({
+  sew: (patches, joins) => {
+    const isWhole = patches.every((patch) => Number.isInteger(patch) && patch >= 0);
+    if (isWhole) onCut({ type: "sew", patches, joins });
+    else say("Pieces are named by the numbers that the flattened view shows.");
+  },
+  handOver: () => changing("Starting the cut flow from these pieces", { type: "hand_over" }),
+});
 const feet = { Symmetry: symmetry.node, Sparsity: cones.foot, Segments: segments.node, "Flat pieces": growth.node };
 const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), feet, { lambda: cones.path });
 // While a slider is held, the engine keeps itself free for its next move.
@@ -428,13 +436,19 @@ const learn = learnPanel(
     field: now.scene?.field ?? null,
     scene: now.scene,
     stages: now.stages?.step === status.step() + 1 ? now.stages.stages : [],
-    figures: now.method === "cones" ? cones.figures() : [],
+    figures: figures(),
   }),
 );
 
 // What people do.
 
 const words = () => WORDS[now.method] ?? WORDS.cutflow;
+
+/** What Learn says of the method as a whole. */
+function figures() {
+  if (now.method === "cones") return cones.figures();
+  return now.rows.filter(({ now: value }) => value !== null).map(({ label, now: value, unit }) => [label, measure(value, unit)]);
+}
 
 async function chooseMethod(id) {
   brush.put();

@@ -41,6 +41,7 @@ mod rounding;
 mod scripts;
 mod seams;
 mod sectors;
+mod segmenting;
 mod solving;
 mod splitting;
 mod starts;

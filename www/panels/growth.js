@@ -3,9 +3,15 @@
 import { h, write } from "../dom.js";
 import { count, measure } from "../format.js";
 
-/** Gives a node that stands under the parameters of the first pieces. */
-export function growthPanel() {
+/**
+ * Gives a node that stands under the parameters of the first pieces.
+ *
+ * @param on `sew(patches, joins)` says what is to become of two pieces, `handOver()` goes on with the cut flow
+ */
+export function growthPanel(on) {
   const body = h("tbody");
+  const number = (label, value) => h("input", { type: "number", min: 1, step: 1, value, "aria-label": label });
+  const [first, second] = [number("First piece", 1), number("Second piece", 2)];
   const node = h(
     "div",
     { class: "growth", hidden: true },
@@ -16,8 +22,24 @@ export function growthPanel() {
       h("thead", {}, h("tr", {}, ...["Stage", "Pieces", "Seam"].map((name) => h("th", { scope: "col" }, name)))),
       body,
     ),
+    h(
+      "div",
+      { class: "sew", role: "group", "aria-label": "Two pieces" },
+      "Pieces ",
+      first,
+      " and ",
+      second,
+      h("button", { class: "act", title: "These two become one, whatever the limits say, if it can be laid flat", onclick: () => sew(true) }, "Join"),
+      h("button", { class: "act", title: "These two never become one", onclick: () => sew(false) }, "Keep apart"),
+    ),
+    h("button", { class: "act", title: "Starts the cut flow from these pieces: it moves their borders to lower the distortion", onclick: on.handOver }, "Improve by the cut flow"),
   );
   let rows = [];
+
+  function sew(joins) {
+    const patches = [first, second].map(({ value }) => Number(value) - 1);
+    on.sew(patches, joins);
+  }
 
   function build(stages) {
     rows = stages.map(({ label }) => {

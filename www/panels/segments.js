@@ -3,11 +3,12 @@
 import { h, write } from "../dom.js";
 import { fixed, percent, plural, short } from "../format.js";
 
-/** `select(node)` shows a segment. Gives a node that stands under the parameters of the segments. */
+/** `select(node)` shows a segment, `handOver()` goes on with the cut flow. Gives a node that stands under the parameters of the segments. */
 export function segmentsPanel(on) {
   const list = h("ul", { class: "segments", role: "tree", "aria-label": "Segments" });
   const line = h("p", { class: "fine" });
-  const node = h("div", { class: "hierarchy", hidden: true }, list, line);
+  const improve = h("button", { class: "act", title: "Starts the cut flow from these segments: it moves their borders to lower the distortion", onclick: on.handOver }, "Improve by the cut flow");
+  const node = h("div", { class: "hierarchy", hidden: true }, list, line, improve);
   let items = new Map();
   let shape = "";
   let focusable = 0;

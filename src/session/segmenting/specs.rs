@@ -71,7 +71,7 @@ fn phase_solver() -> Vec<ParamSpec> {
 pub fn develop_specs() -> Vec<ParamSpec> {
     let (charts, merging) = ("Flat pieces", "Merging");
     vec![
-        number("vsa_tolerance", "Flatness", "", "", [0.0005, 0.1, 0.0001], 0.005,
+        number("vsa_tolerance", "Flatness", "", "", [0.0005, 0.1, 0.0001], 0.008,
             "How far normals of a first piece may be from their mean: squared difference times area, as a fraction of the surface. Smaller means more pieces to merge from.")
             .group(charts).logarithmic(),
         switch(charts, "min_cut", "Tighten seams", true,

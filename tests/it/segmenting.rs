@@ -1,0 +1,253 @@
+//! Phase fields and developable patches through the session: run, change, undo, hand over, export.
+
+use std::collections::BTreeMap;
+
+use cutflow::session::{
+    Command, Document, Event, Method, SegmentTree, Session, Settings, Value,
+};
+
+use crate::exported;
+
+fn open(method: &str, sample: &str, values: &[(&str, Value)]) -> Session {
+    let mut session = Session::new();
+    session.handle(Command::SetMethod { id: method.into() });
+    let document = Document::from_sample(sample);
+    let mut settings = Settings::for_sample(Some(sample));
+    for (id, value) in values {
+        settings.set(id, value.clone()).unwrap();
+    }
+    let events = session.open_with(document, settings);
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    session
+}
+
+fn errors(events: &[Event]) -> Vec<String> {
+    let what = |event: &Event| match event {
+        Event::Error { what, .. } => Some(what.clone()),
+        _ => None,
+    };
+    events.iter().filter_map(what).collect()
+}
+
+fn run(session: &mut Session) -> Vec<Event> {
+    let mut events = session.handle(Command::Run);
+    go_on(session, &mut events);
+    events
+}
+
+fn go_on(session: &mut Session, events: &mut Vec<Event>) {
+    let mut slices = 0;
+    while session.is_running() {
+        events.extend(session.advance(&mut || false));
+        slices += 1;
+        assert!(slices < 20_000, "it never ends");
+    }
+    assert!(errors(events).is_empty(), "{:?}", errors(events));
+}
+
+fn tree(events: &[Event]) -> SegmentTree {
+    let found = events.iter().rev().find_map(|event| match event {
+        Event::Segments(tree) => Some(tree.clone()),
+        _ => None,
+    });
+    found.unwrap()
+}
+
+fn status(events: &[Event]) -> String {
+    let found = events.iter().rev().find_map(|event| match event {
+        Event::Status { text, .. } => Some(text.clone()),
+        _ => None,
+    });
+    found.unwrap()
+}
+
+fn number(x: f64) -> Value {
+    Value::Number(x)
+}
+
+/// A ball in four, by perimeter alone: quick.
+fn quarters() -> Session {
+    open("phasefield", "ball", &[("levels", number(2.0)), ("omega", number(0.0))])
+}
+
+#[test]
+fn a_ball_falls_into_four_equal_segments_with_a_tree_of_seven() {
+    let mut session = quarters();
+    let events = run(&mut session);
+    assert!(status(&events).starts_with("Converged after "), "{}", status(&events));
+    let tree = tree(&events);
+    assert_eq!(tree.nodes.len(), 7);
+    let labels: Vec<&str> = tree.nodes.iter().map(|segment| segment.label.as_str()).collect();
+    assert_eq!(labels, ["Whole", "1", "2", "1.1", "1.2", "2.1", "2.2"]);
+    // A great circle, then two halves of one, at area 4π.
+    let whole = tree.nodes[0].length.unwrap();
+    assert!((whole / std::f64::consts::TAU - 1.0).abs() < 2e-3, "{whole}");
+    for segment in tree.nodes.iter().filter(|segment| segment.is_leaf) {
+        assert!((segment.area_fraction - 0.25).abs() < 1e-4, "{segment:?}");
+        assert_eq!(segment.components, 1);
+    }
+    let report = session.phase_report(None).unwrap();
+    assert_eq!(report.status, "converged");
+    assert_eq!(report.components, 4);
+    assert_eq!(report.flattening.charts.len(), 4);
+    assert_eq!(report.history.len(), report.steps + 1);
+    // Two halves of a circle meet the first one: π + 2π in all, over √4π.
+    let circles = 2.0 * std::f64::consts::TAU / (4.0 * std::f64::consts::PI).sqrt();
+    assert!((report.perimeter / circles - 1.0).abs() < 5e-3, "{}", report.perimeter);
+}
+
+#[test]
+fn fewer_levels_take_divisions_back_and_more_go_on_from_what_is_there() {
+    let mut session = quarters();
+    run(&mut session);
+    let set = |levels: f64| Command::SetParameter { id: "levels".into(), value: number(levels) };
+    let mut events = session.handle(set(1.0));
+    go_on(&mut session, &mut events);
+    assert_eq!(tree(&events).nodes.len(), 3);
+    let mut events = session.handle(set(3.0));
+    assert!(session.is_running(), "what has run goes on by itself");
+    go_on(&mut session, &mut events);
+    assert_eq!(tree(&events).nodes.len(), 15);
+}
+
+#[test]
+fn undo_brings_the_segments_before_back_bit_for_bit() {
+    let mut session = quarters();
+    run(&mut session);
+    let before = session.labels();
+    let value = number(70.0);
+    let mut events = session.handle(Command::SetParameter { id: "fraction".into(), value });
+    go_on(&mut session, &mut events);
+    assert_ne!(session.labels(), before);
+    session.handle(Command::Undo);
+    assert_eq!(session.labels(), before);
+    session.handle(Command::Redo);
+    assert_ne!(session.labels(), before);
+    for _ in 0..8 {
+        session.handle(Command::Undo);
+    }
+    assert!(!session.is_running());
+}
+
+#[test]
+fn a_segment_that_is_chosen_is_shown_with_its_weight() {
+    let mut session = quarters();
+    run(&mut session);
+    session.handle(Command::ShowField { id: "weight".into() });
+    let events = session.handle(Command::SelectSegment { node: 1 });
+    assert_eq!(tree(&events).selected, 1);
+    let scene = session.scene().unwrap();
+    let field = scene.field.unwrap();
+    assert_eq!(field.id, "weight");
+    assert!(field.extremes[0] >= 0.0 && field.extremes[1] <= 1.0 + 1e-6);
+    // Half of the surface has the weight 1.
+    assert!((field.mean - 0.5).abs() < 0.02, "{}", field.mean);
+    let events = session.handle(Command::SelectSegment { node: 99 });
+    assert_eq!(errors(&events).len(), 1);
+}
+
+#[test]
+fn the_atlas_of_the_segments_covers_the_surface_with_weights_that_add_up_to_one() {
+    let mut session = quarters();
+    run(&mut session);
+    let scene = session.scene().unwrap();
+    let layers = scene.layers.unwrap();
+    assert_eq!(layers.charts.len(), 4);
+    let mut sums: BTreeMap<[u32; 3], f32> = BTreeMap::new();
+    for (place, weight) in layers.positions.chunks_exact(3).zip(layers.weights.chunks_exact(4)) {
+        // A place occurs once for each chart and for each set of neighbours: the first of a chart counts.
+        let key = [place[0], place[1], place[2]].map(f32::to_bits);
+        let entry = sums.entry(key).or_insert(0.0);
+        *entry = entry.max(weight.iter().filter(|w| **w >= 0.0).sum());
+    }
+    // Four values of 32 bits.
+    assert!(sums.values().all(|sum| (sum - 1.0).abs() < 1e-6));
+    assert!(sums.len() > 1000);
+}
+
+#[test]
+fn a_phase_field_is_where_a_cut_flow_can_start() {
+    let mut session = quarters();
+    run(&mut session);
+    let segments = session.labels();
+    let events = session.handle(Command::HandOver);
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert_eq!(session.method(), Method::CutFlow);
+    assert_eq!(session.labels(), segments);
+    let start = session.history()[0].total;
+    for _ in 0..3 {
+        session.handle(Command::Step);
+    }
+    assert!(session.history().last().unwrap().total <= start);
+    session.handle(Command::SetMethod { id: "phasefield".into() });
+    assert_eq!(session.labels(), segments);
+}
+
+#[test]
+fn an_interface_thinner_than_two_edges_is_as_wide_as_they_are() {
+    let mut session = open("phasefield", "ball", &[("epsilon", number(0.01)), ("levels", number(1.0)), ("omega", number(0.0))]);
+    run(&mut session);
+    let report = session.phase_report(None).unwrap();
+    assert!(report.epsilon > 0.02, "{}", report.epsilon);
+}
+
+#[test]
+fn patches_of_a_chair_lie_flat_keep_their_seams_and_are_exported_as_they_were_accepted() {
+    let mut session = open("developable", "armchair", &[]);
+    let events = run(&mut session);
+    assert!(status(&events).starts_with("Converged after "), "{}", status(&events));
+    let report = session.develop_report(None).unwrap();
+    assert!(report.patches.len() < report.vsa_charts, "{report:?}");
+    for patch in &report.patches {
+        assert!(!patch.overlap && patch.area_change_abs <= 0.1 + 1e-9, "{patch:?}");
+        assert!(patch.l2_stretch <= 2.0);
+    }
+    assert_eq!(report.flattening.method, "lpfb");
+    assert_eq!(report.flattening.totals.flipped, 0);
+    assert_eq!(report.flattening.totals.overlaps, 0);
+    assert_eq!(report.flattening.validity.overlapping_pairs, 0);
+    let uv = session.export("UV mesh (OBJ)").unwrap();
+    exported::check(&uv.bytes).unwrap();
+}
+
+#[test]
+fn stages_are_told_one_after_the_other_and_undo_goes_back_to_any_of_them() {
+    let mut session = open("developable", "ball", &[]);
+    let mut seen = Vec::new();
+    let mut events = session.handle(Command::Run);
+    let mut halfway = Vec::new();
+    while session.is_running() {
+        let stage = session.develop_stage().unwrap();
+        if seen.last() != Some(&stage) {
+            seen.push(stage);
+            if stage == "merge" {
+                session.handle(Command::Pause);
+                halfway = session.labels();
+                session.handle(Command::Run);
+            }
+        }
+        events.extend(session.advance(&mut || false));
+    }
+    assert_eq!(seen, ["vsa", "refine", "merge"]);
+    assert_ne!(session.labels(), halfway);
+    session.handle(Command::Undo);
+    assert_eq!(session.labels(), halfway);
+}
+
+#[test]
+fn looser_limits_go_on_merging_and_two_pieces_can_be_kept_apart() {
+    let mut session = open("developable", "ball", &[("area_limit", number(4.0))]);
+    run(&mut session);
+    let tight = session.develop_report(None).unwrap().patches.len();
+    let value = number(20.0);
+    let mut events = session.handle(Command::SetParameter { id: "area_limit".into(), value });
+    go_on(&mut session, &mut events);
+    let loose = session.develop_report(None).unwrap().patches.len();
+    assert!(loose < tight, "{tight} then {loose}");
+    let mut events = session.handle(Command::Sew { patches: [0, 1], joins: false });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    go_on(&mut session, &mut events);
+    assert!(session.develop_report(None).unwrap().patches.len() >= 2);
+    let events = session.handle(Command::Sew { patches: [0, 0], joins: true });
+    assert_eq!(errors(&events).len(), 1);
+}
