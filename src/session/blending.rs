@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn shares_add_up_everywhere_whether_charts_are_blended_or_the_largest_is_taken() {
-        let document = Document::from_sample("sphere").unwrap();
+        let document = Document::from_sample("ball").unwrap();
         let surface = document.surface.as_ref().unwrap();
         let amounts = |corner: [f64; 3]| {
             let amount = |p: &nalgebra::Point3<f64>| {

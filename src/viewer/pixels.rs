@@ -228,9 +228,10 @@ fn marble_at([x, y]: [f32; 2]) -> [f32; 3] {
     };
     let clouds = octaves(bent, 4, 5, 7);
     let stone = mix([0.96, 0.95, 0.93], [0.74, 0.76, 0.79], step(0.35, 0.75, clouds));
-    let strong = vein(3, 61, 0.028) * (0.35 + 0.65 * step(0.3, 0.6, octaves([x, y], 5, 2, 17)));
+    let strong =
+        0.85 * vein(3, 61, 0.015) * (0.35 + 0.65 * step(0.3, 0.6, octaves([x, y], 5, 2, 17)));
     let stone = mix(stone, [0.55, 0.58, 0.62], 0.55 * vein(3, 61, 0.09));
-    let stone = mix(stone, [0.72, 0.60, 0.40], 0.6 * vein(6, 83, 0.022));
+    let stone = mix(stone, [0.72, 0.60, 0.40], 0.6 * vein(6, 83, 0.016));
     mix(stone, [0.16, 0.18, 0.22], strong)
 }
 

@@ -93,6 +93,15 @@ for (const renderer of RENDERERS) {
       assert.ok(difference(plain, await picture(CANVASES[0])) < 0.1, "none is what it was");
       await choice().selectOption("image");
       assert.equal(await choice().inputValue(), "image", "an image that is there is shown at once");
+      await choice().selectOption("none");
+      const transfer = await browser.page.evaluateHandle((code) => {
+        const transfer = new DataTransfer();
+        const bytes = Uint8Array.from(atob(code), (letter) => letter.charCodeAt(0));
+        transfer.items.add(new File([bytes], "stripes.png", { type: "image/png" }));
+        return transfer;
+      }, STRIPES.toString("base64"));
+      await browser.page.dispatchEvent("body", "drop", { dataTransfer: transfer });
+      await page.until("the dropped image as texture", () => choice().inputValue(), (name) => name === "image");
       await input.setInputFiles({ name: "notes.png", mimeType: "image/png", buffer: Buffer.from("no image") });
       const [what, , todo] = await page.error();
       assert.match(what, /^notes\.png is no image/);
