@@ -15,10 +15,6 @@ use crate::surfaces::{Surface, grid};
 
 /// A cube of side 1, each face divided into n × n squares, cut along five edges that make an H.
 fn cube(n: u32) -> Sheet {
-    cube_with(n, 0)
-}
-
-fn cube_with(n: u32, style: u32) -> Sheet {
     let mut numbers: BTreeMap<[u32; 3], u32> = BTreeMap::new();
     let mut points = Vec::new();
     let mut number = |p: [u32; 3]| {
@@ -40,16 +36,9 @@ fn cube_with(n: u32, style: u32) -> Sheet {
                         number(p)
                     };
                     let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                    let rising = match style {
-                        0 => true,
-                        1 => false,
-                        2 => (i + j) % 2 == 0,
-                        3 => side == 0,
-                        4 => side == n,
-                        _ => (i + j) % 2 == 1,
-                    };
+                    // Diagonals as the notes' L² has them; the other figures hardly depend on them.
                     let mut pair =
-                        if rising { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+                        if side == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
                     if side == 0 {
                         pair.iter_mut().for_each(|t| t.swap(1, 2));
                     }
@@ -96,7 +85,8 @@ fn with_holes(
     for (i, triangle) in triangles.iter().enumerate() {
         let square = i as u32 / 2;
         let at = [square % size[0], square / size[0]];
-        let inside = |[low, high]: &[[u32; 2]; 2]| (0..2).all(|k| low[k] <= at[k] && at[k] < high[k]);
+        let inside =
+            |[low, high]: &[[u32; 2]; 2]| (0..2).all(|k| low[k] <= at[k] && at[k] < high[k]);
         if holes.iter().any(inside) {
             continue;
         }
@@ -120,7 +110,11 @@ fn developable_patches_keep_all_lengths() {
         ("flat", Sheet::flat(), 1),
         ("cylinder", Sheet::cylinder(), 1),
         ("cone", Sheet::cone(), 1),
-        ("flat with holes", with_holes([24, 14], &TWO_HOLES, |s, t| [2.0 * s, t + 0.3 * s, 0.0]), 3),
+        (
+            "flat with holes",
+            with_holes([24, 14], &TWO_HOLES, |s, t| [2.0 * s, t + 0.3 * s, 0.0]),
+            3,
+        ),
         ("cylinder with holes", with_holes([24, 14], &TWO_HOLES, bent), 3),
     ];
     for (name, sheet, loops) in sheets {
@@ -131,10 +125,14 @@ fn developable_patches_keep_all_lengths() {
         // Rounding of sums over some hundred sides.
         assert!(boundary.closure_error < 1e-12 && boundary.angle_error < 1e-9, "{name}");
         assert!(report.length_error_max < 1e-11, "{name}: {}", report.length_error_max);
-        let [_, angle_error] = rim_errors(&sheet.opened, &sheet.geometry, &charts.uv, &report.loops);
+        let [_, angle_error] =
+            rim_errors(&sheet.opened, &sheet.geometry, &charts.uv, &report.loops);
         assert!(angle_error < 1e-9, "{name}: {angle_error}");
         let chart = measures.charts[0].as_ref().unwrap();
-        assert!(chart.area_change.abs() < 1e-9 && chart.area_change_abs < 1e-9, "{name}: {chart:?}");
+        assert!(
+            chart.area_change.abs() < 1e-9 && chart.area_change_abs < 1e-9,
+            "{name}: {chart:?}"
+        );
         assert!((chart.l2_stretch - 1.0).abs() < 1e-9, "{name}: {}", chart.l2_stretch);
         assert!(strain(&sheet, &charts.uv) < 1e-9, "{name}");
         assert_eq!((report.flipped, report.crossings, chart.overlaps), (0, 0, 0), "{name}");
@@ -144,23 +142,18 @@ fn developable_patches_keep_all_lengths() {
 
 #[test]
 fn a_cube_cut_like_an_h_is_distorted_as_the_notes_say() {
-    for style in 0..6 {
-        let (_, _, m) = flatten(&cube_with(8, style));
-        eprintln!("style {style}: {:.5} {:.5}", m.totals.area_change_abs, m.totals.l2_stretch);
-    }
     let sheet = cube(8);
     assert_eq!(sheet.opened.mesh.vertex_count(), 425);
     assert_eq!(sheet.opened.mesh.face_count(), 768);
     let (_, report, measures) = flatten(&sheet);
     let chart = measures.charts[0].as_ref().unwrap();
-    eprintln!("{report:?} {chart:?}");
     assert_eq!(report.sides, 80);
     let boundary = report.boundary.unwrap();
     assert!((boundary.angle_error - PI / 80.0).abs() < 1e-6, "{boundary:?}");
     // To the digits that the notes give.
     assert!((chart.area_change.abs() - 0.50851).abs() < 5e-6, "{}", chart.area_change);
     assert!((chart.area_change_abs - 0.5100).abs() < 5e-5, "{}", chart.area_change_abs);
-    assert!((chart.l2_stretch - 1.8792).abs() < 0.01, "{}", chart.l2_stretch);
+    assert!((chart.l2_stretch - 1.8792).abs() < 5e-5, "{}", chart.l2_stretch);
 }
 
 /// A cylinder of radius 1, slit, with twelve vertices pulled out by .15.
@@ -230,8 +223,16 @@ fn the_table_of_the_paper_side_by_side() {
         for row in &rows {
             eprintln!(
                 "{name:10} {:16} faces {:5} rim {:4} L2 {:.4} A {:+.4} A_abs {:.4} Π_L {:.1e} Π_θ {:.1e} flips {} overlaps {}",
-                row.method.name(), row.faces, row.rim_sides, row.l2_stretch, row.area_change,
-                row.area_change_abs, row.length_error, row.angle_error, row.flipped, row.overlaps
+                row.method.name(),
+                row.faces,
+                row.rim_sides,
+                row.l2_stretch,
+                row.area_change,
+                row.area_change_abs,
+                row.length_error,
+                row.angle_error,
+                row.flipped,
+                row.overlaps
             );
         }
         let [ours, others @ ..] = rows.as_slice() else { panic!("no rows") };

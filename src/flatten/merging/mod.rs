@@ -13,6 +13,7 @@
 
 mod finish;
 mod flow;
+mod improve;
 mod mirror;
 mod network;
 mod params;
