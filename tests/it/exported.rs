@@ -124,7 +124,7 @@ fn run(session: &mut Session) {
 }
 
 /// Looks at the files that a session exports.
-fn look(session: &mut Session, name: &str) {
+pub fn look(session: &mut Session, name: &str) {
     let file = session.export("UV mesh (OBJ)").unwrap();
     let (triangles, bare) = flat_triangles(std::str::from_utf8(&file.bytes).unwrap());
     assert_eq!(bare, 0, "{name}: triangles without a place");
