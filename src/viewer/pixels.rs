@@ -248,7 +248,7 @@ mod tests {
         assert_eq!(sizes, [[12, 5], [6, 2], [3, 1], [1, 1]]);
         assert_eq!(pixels.levels[3].2, [188, 188, 188, 255]);
         assert!(pixels.levels.iter().all(|(w, h, p)| p.len() == 4 * (w * h) as usize));
-        assert_eq!(pixels.cells[0] / pixels.cells[1], 12.0 / 5.0);
+        assert!((pixels.cells[0] / pixels.cells[1] - 12.0 / 5.0).abs() < 1e-6);
     }
 
     #[test]

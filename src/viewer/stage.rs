@@ -1198,7 +1198,7 @@ mod tests {
         assert_eq!(stage.bytes(Part::Pixels).len(), 12);
         stage.set_texture(Texture::Spots, 0.1);
         assert_ne!(stage.pixels(), Some(&image));
-        assert_eq!(stage.texture().number(), 4.0);
+        assert_eq!(stage.texture(), Texture::Spots);
         let stamp = stage.stamp_of(Part::Pixels);
         stage.set_texture(Texture::Spots, 0.2);
         assert_eq!(stage.stamp_of(Part::Pixels), stamp);

@@ -75,7 +75,8 @@ fn check(mesh: &Mesh, atlas: &Atlas) {
 
 /// E and Σ a of the doc comment, from what the atlas gives.
 fn energy(geometry: &Geometry, atlas: &Atlas) -> (f64, f64) {
-    let mut corners: BTreeMap<FaceId, Vec<[(Point2<f64>, f64); 3]>> = BTreeMap::new();
+    type Weighted = [(Point2<f64>, f64); 3];
+    let mut corners: BTreeMap<FaceId, Vec<Weighted>> = BTreeMap::new();
     for chart in &atlas.charts {
         for (f, t) in chart.faces.iter().zip(&chart.triangles) {
             let corner = |v: u32| (chart.uv[v as usize], chart.weights[v as usize]);
