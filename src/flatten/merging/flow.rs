@@ -393,8 +393,8 @@ impl MergeFlow {
                 || (p.labels.contains(b) && q.labels.contains(a))
         });
         let is_loose = |m: &Member| m.charts.len() == 1 && self.loose.contains(&m.charts[0]);
-        !is_apart
-            && !(is_loose(p) && is_loose(q))
+        let is_barred = is_apart || (is_loose(p) && is_loose(q));
+        !is_barred
             && p.area + q.area <= self.params.max_patch_area * self.total_area * (1.0 + 1e-12)
     }
 
