@@ -5,6 +5,8 @@
 pub mod cones;
 pub mod cutflow;
 pub mod cutgraph;
+pub mod developable;
 pub mod flow;
+pub(crate) mod maxflow;
 pub mod prepare;
 pub mod straighten;

@@ -12,7 +12,6 @@
 //! input gives the same cuts. Not guaranteed: the least number or length of cuts in all. A face that is turned over overlaps its
 //! neighbours wherever one cuts: see [`Flips`].
 
-mod flow;
 mod pieces;
 
 use crate::geometry::Geometry;

@@ -4,9 +4,9 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
 use super::super::validity::FacePair;
-use super::flow::Network;
 use crate::geometry::Geometry;
 use crate::mesh::{EdgeId, FaceId, OpenedMesh};
+use crate::methods::maxflow::Network;
 
 const NONE: u32 = u32::MAX;
 
