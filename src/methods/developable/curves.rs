@@ -3,7 +3,11 @@
 use std::f64::consts::FRAC_PI_6;
 
 use crate::geometry::Geometry;
+use super::small;
 use crate::mesh::{HalfedgeId, Mesh, VertexId};
+
+/// No chart yet.
+const NONE: u32 = u32::MAX;
 
 /// Turns to alternating sides that are at least so sharp make a zigzag. Along the edges of regular triangles a straight line at an angle to
 /// them turns by π/3 at every step; smooth seams on fine meshes turn by less than half of that.
@@ -159,6 +163,34 @@ pub fn seam_curves(mesh: &Mesh, geometry: &Geometry, face_charts: &[u32]) -> Vec
         curves.push(SeamCurve { pair, halfedges, length, is_closed });
     }
     curves
+}
+
+/// Numbers the connected parts of the faces of each label, by their first face.
+///
+/// **Gives** a chart for each face, and their number. **Costs** O(F).
+pub fn connected_charts(mesh: &Mesh, labels: &[u32]) -> (Vec<u32>, usize) {
+    assert_eq!(labels.len(), mesh.face_count());
+    let mut charts = vec![NONE; labels.len()];
+    let mut count = 0;
+    let mut stack = Vec::new();
+    for seed in mesh.faces() {
+        if charts[seed.index()] != NONE {
+            continue;
+        }
+        charts[seed.index()] = small(count);
+        stack.push(seed);
+        while let Some(f) = stack.pop() {
+            for h in mesh.face_halfedges(f) {
+                let Some(g) = mesh.face(h.twin()) else { continue };
+                if charts[g.index()] == NONE && labels[g.index()] == labels[f.index()] {
+                    charts[g.index()] = small(count);
+                    stack.push(g);
+                }
+            }
+        }
+        count += 1;
+    }
+    (charts, count)
 }
 
 #[cfg(test)]

@@ -9,8 +9,10 @@
 //! charts. Not guaranteed: that charts are disks, or the fewest of them.
 
 mod curves;
+mod vsa;
 
-pub use curves::{SeamCurve, SeamMeasure, seam_curves};
+pub use curves::{SeamCurve, SeamMeasure, connected_charts, seam_curves};
+pub use vsa::{VsaChart, VsaCheckpoint, VsaFlow, VsaParams, VsaPhase, VsaState};
 
 /// An index as a `u32`: meshes number fewer elements than that.
 #[expect(clippy::cast_possible_truncation, reason = "Mesh::new refuses larger meshes")]
