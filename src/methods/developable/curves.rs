@@ -2,8 +2,8 @@
 
 use std::f64::consts::FRAC_PI_6;
 
-use crate::geometry::Geometry;
 use super::small;
+use crate::geometry::Geometry;
 use crate::mesh::{HalfedgeId, Mesh, VertexId};
 
 /// No chart yet.

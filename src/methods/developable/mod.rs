@@ -9,9 +9,13 @@
 //! charts. Not guaranteed: that charts are disks, or the fewest of them.
 
 mod curves;
+mod denoise;
+mod refine;
 mod vsa;
 
 pub use curves::{SeamCurve, SeamMeasure, connected_charts, seam_curves};
+pub use denoise::{DenoiseFlow, DenoiseParams, DenoiseState};
+pub use refine::{RefineCheckpoint, RefineFlow, RefineParams, RefineState};
 pub use vsa::{VsaChart, VsaCheckpoint, VsaFlow, VsaParams, VsaPhase, VsaState};
 
 /// An index as a `u32`: meshes number fewer elements than that.

@@ -19,7 +19,19 @@ pub(super) struct Faces {
     pub areas: Vec<f64>,
     pub neighbours: Vec<[u32; 3]>,
     pub total_area: f64,
-    heap: BinaryHeap<Reverse<(u64, u32, u32)>>,
+    /// Error, face and chart in one number, so that one comparison orders them.
+    heap: BinaryHeap<Reverse<u128>>,
+}
+
+/// Smaller errors first, then smaller faces, then smaller charts.
+fn key(error: f64, f: u32, r: u32) -> Reverse<u128> {
+    Reverse(u128::from(error.to_bits()) << 64 | u128::from(f) << 32 | u128::from(r))
+}
+
+/// Face and chart of a key.
+#[expect(clippy::cast_possible_truncation, reason = "each has 32 bits of its own")]
+fn names(bits: u128) -> (u32, u32) {
+    ((bits >> 32) as u32, bits as u32)
 }
 
 impl Faces {
@@ -53,12 +65,13 @@ impl Faces {
             for f in &chart.faces {
                 for g in self.neighbours[f.index()] {
                     if g != NONE && state.face_charts[g as usize] == NONE {
-                        heap.push(Reverse((self.error(g, &chart.proxy).to_bits(), g, r)));
+                        heap.push(key(self.error(g, &chart.proxy), g, r));
                     }
                 }
             }
         }
-        while let Some(Reverse((_, f, r))) = heap.pop() {
+        while let Some(Reverse(bits)) = heap.pop() {
+            let (f, r) = names(bits);
             if state.face_charts[f as usize] != NONE {
                 continue;
             }
@@ -67,7 +80,7 @@ impl Faces {
             chart.faces.push(FaceId(f));
             for g in self.neighbours[f as usize] {
                 if g != NONE && state.face_charts[g as usize] == NONE {
-                    heap.push(Reverse((self.error(g, &chart.proxy).to_bits(), g, r)));
+                    heap.push(key(self.error(g, &chart.proxy), g, r));
                 }
             }
         }
@@ -114,9 +127,10 @@ impl Faces {
 
     /// Σ a n.
     pub fn sum(&self, chart: &VsaChart) -> Vector3<f64> {
-        chart.faces.iter().fold(Vector3::zeros(), |sum, f| {
-            sum + self.normals[f.index()] * self.areas[f.index()]
-        })
+        chart
+            .faces
+            .iter()
+            .fold(Vector3::zeros(), |sum, f| sum + self.normals[f.index()] * self.areas[f.index()])
     }
 
     /// The face with the largest error that is not the seed.
