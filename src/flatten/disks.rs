@@ -102,7 +102,7 @@ impl<'a> Disks<'a> {
 }
 
 /// Marks the charts that have a face without shape.
-fn refuse_degenerate(
+pub(super) fn refuse_degenerate(
     opened: &OpenedMesh,
     geometry: &Geometry,
     charts: &mut [Result<Vec<HalfedgeId>, NoChart>],

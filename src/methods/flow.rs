@@ -2,7 +2,7 @@
 
 use super::cones::ConeError;
 use crate::linalg::LinalgError;
-use crate::mesh::{MeshError, VertexId};
+use crate::mesh::{FaceId, MeshError, VertexId};
 
 /// Work that advances one bounded step at a time. The driver (page, terminal, test) differs only in when it stops.
 ///
@@ -104,6 +104,12 @@ pub enum SolveError {
     /// Something about cones.
     #[error(transparent)]
     Cones(#[from] ConeError),
+    /// A patch that was accepted is not what it was said to be when it is flattened anew.
+    #[error("the patch of face {} does not pass when it is flattened anew", .face.0)]
+    PatchCheck {
+        /// Its first face.
+        face: FaceId,
+    },
     /// The iteration left the range of numbers.
     #[error("the energy is not finite")]
     NotFinite,

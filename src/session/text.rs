@@ -189,6 +189,11 @@ impl Problem {
                 format!("{name}, cones."),
                 "Change the prescribed cones, the excluded region or the bounds.",
             ),
+            SolveError::PatchCheck { face } => Self::new(
+                format!("The patch of face {} does not keep its limits when it is flattened anew.", face.0),
+                format!("{name}, check of the patches."),
+                "Change a limit a little and merge again.",
+            ),
             SolveError::NotFinite => Self::new(
                 "The energy of the cut is not a finite number.",
                 format!("{name}."),

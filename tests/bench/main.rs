@@ -3,6 +3,7 @@
 //! A ratio means something on a machine that is busy or slow; seconds do not. Each figure stands beside its limit.
 
 mod charts;
+mod develop;
 mod memory;
 mod spheres;
 
@@ -385,6 +386,7 @@ fn main() {
     });
 
     rows.extend(charts::rows());
+    rows.extend(develop::rows());
     rows.extend(import_speeds());
 
     for row in &rows {

@@ -1,0 +1,797 @@
+//! The flow: trials, and one accepted merge after another.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::mirror::Mirror;
+use super::network::{Curve, connected_charts, curves};
+use super::params::{AreaMeasure, MergeParams, MergeStrategy, MergeWishes};
+use super::split::bisect;
+use super::state::{MergePhase, MergeState, PatchInfo};
+use super::trial::{Bench, Failure, Limits, Map, Reject};
+use crate::flatten::small;
+use crate::geometry::Geometry;
+use crate::mesh::{EdgeId, FaceId, Mesh};
+use crate::methods::flow::{Flow, SolveError, Status, StepReport};
+
+/// What is added to A_abs when merges are compared: isometric ones differ by the seam that they remove.
+const GROUND: f64 = 0.01;
+
+/// Power of the smaller patch's area in the order of merges: small patches are used up first, while they still fit anywhere.
+const SMALL_FIRST: f64 = 0.25;
+
+/// What new parameters did to a flow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParamsChange {
+    /// Nothing is different.
+    Nothing,
+    /// Limits are looser: what there is stays, and what was rejected is tried again.
+    Continued,
+    /// Patches may fail now: it starts from the charts again.
+    Restarted,
+}
+
+/// A patch at work.
+#[derive(Clone)]
+pub(super) struct Member {
+    pub faces: Vec<FaceId>,
+    pub charts: Vec<u32>,
+    pub labels: BTreeSet<u32>,
+    /// None for charts that fail and cannot be split.
+    pub map: Option<Map>,
+    pub is_forced: bool,
+    pub area: f64,
+    /// Of its charts and of what its cut differs in from their borders.
+    hash: u128,
+}
+
+/// A merge that passes.
+#[derive(Clone)]
+struct Offer {
+    removed: Vec<EdgeId>,
+    darts: Vec<EdgeId>,
+    map: Map,
+}
+
+/// A way to merge a pair: the seam that goes, and what is known of it.
+#[derive(Clone)]
+struct Way {
+    edges: Vec<EdgeId>,
+    /// What A_abs + .01 is multiplied with to make its key.
+    factor: f64,
+    /// Its key if there is an offer, else a lower bound of it: the bits of a positive number, which are ordered like it.
+    rank: u64,
+    /// Whether it has waited once already.
+    has_waited: bool,
+    offer: Option<Offer>,
+}
+
+/// What became of a trial.
+enum Tried {
+    Passed(Offer),
+    /// The boundary alone says that the key is at least this: others come first.
+    Later(f64),
+    Failed,
+}
+
+/// Merges charts into patches that flatten, one bounded step at a time.
+///
+/// **Minimises** the number of patches, greedily, under limits on the distortion of each. **Step** some trials, or one accepted merge; then one patch zipped; then the check.
+/// The number of patches never rises; the length of seams may, where darts are cut. **Ends** `Converged` when nothing that is left passes and the
+/// patches have been flattened anew.
+pub struct MergeFlow {
+    pub(super) params: MergeParams,
+    pub(super) wishes: MergeWishes,
+    labels: Vec<u32>,
+    pub(super) bench: Bench,
+    pub(super) total_area: f64,
+    pub(super) face_charts: Vec<u32>,
+    chart_labels: Vec<u32>,
+    pub(super) curves: Vec<Curve>,
+    pub(super) members: Vec<Option<Member>>,
+    /// Curves between patches that are still there.
+    between: BTreeMap<[u32; 2], Vec<u32>>,
+    /// Ways to merge each pair.
+    ways: BTreeMap<[u32; 2], Vec<Option<Way>>>,
+    /// All ways by rank.
+    queue: BTreeSet<(u64, [u32; 2], u32)>,
+    /// Pairs whose ways have yet to be listed.
+    pending: BTreeSet<[u32; 2]>,
+    /// Curves that the paper's strategy has yet to look at.
+    unseen: BTreeSet<u32>,
+    rejected: BTreeMap<u128, Reject>,
+    mirror: Option<Mirror>,
+    member_of_chart: Vec<u32>,
+    pub(super) next_zip: usize,
+    pub(super) state: MergeState,
+    pub(super) step: usize,
+    pub(super) status: Status,
+}
+
+impl MergeFlow {
+    /// Prepares charts: splits those that fail, and merges those that are wanted together.
+    ///
+    /// **Takes** a surface, any scale, and a label for each face; faces of one label that hang together are a chart. **Fails** on parameters out of range, on
+    /// edges that are not there, and on a symmetry that the charts do not have.
+    /// **Costs** a trial for each chart, and two for each split.
+    pub fn new(
+        mesh: Arc<Mesh>,
+        geometry: Arc<Geometry>,
+        labels: &[u32],
+        params: MergeParams,
+        wishes: MergeWishes,
+    ) -> Result<Self, SolveError> {
+        params.validate()?;
+        assert_eq!(labels.len(), mesh.face_count());
+        let total_area = geometry.total_area();
+        if !(total_area > 0.0 && total_area.is_finite()) {
+            return Err(SolveError::NotFinite);
+        }
+        let mut flow = Self {
+            params,
+            wishes,
+            labels: labels.to_vec(),
+            bench: Bench::new(mesh, geometry),
+            total_area,
+            face_charts: Vec::new(),
+            chart_labels: Vec::new(),
+            curves: Vec::new(),
+            members: Vec::new(),
+            between: BTreeMap::new(),
+            ways: BTreeMap::new(),
+            queue: BTreeSet::new(),
+            pending: BTreeSet::new(),
+            unseen: BTreeSet::new(),
+            rejected: BTreeMap::new(),
+            mirror: None,
+            member_of_chart: Vec::new(),
+            next_zip: 0,
+            state: MergeState::default(),
+            step: 0,
+            status: Status::Running,
+        };
+        if let Some(vertices) = &flow.wishes.symmetry {
+            flow.mirror = Some(Mirror::new(&flow.bench.mesh, vertices)?);
+        }
+        flow.start()?;
+        Ok(flow)
+    }
+
+    /// From the labels to patches of one chart each.
+    fn start(&mut self) -> Result<(), SolveError> {
+        let mesh = self.bench.mesh.clone();
+        let geometry = self.bench.geometry.clone();
+        for e in mesh.edges() {
+            self.bench.set_cut(e, false);
+        }
+        self.bench.is_kept.fill(false);
+        for e in self.wishes.kept_edges.clone() {
+            let Some(kept) = self.bench.is_kept.get_mut(e.index()) else {
+                let (value, max) = (f64::from(e.0), mesh.edge_count() as f64);
+                return Err(SolveError::Parameter { name: "kept edge", value, min: 0.0, max });
+            };
+            if !mesh.is_boundary_edge(e) {
+                *kept = true;
+                self.bench.set_cut(e, true);
+            }
+        }
+        (self.face_charts, self.chart_labels) = connected_charts(&mesh, &self.labels);
+        self.state = MergeState::default();
+        let mut maps = self.split_charts();
+        // Charts that are no images of each other are divided until they are; pieces of charts that pass may fail and be split once more.
+        for _ in 0..2 {
+            let Some(mirror) = &self.mirror else { break };
+            let (fine, firsts) = mirror.common_labels(&self.face_charts);
+            let old = std::mem::take(&mut self.chart_labels);
+            let (charts, of) = connected_charts(&mesh, &fine);
+            self.face_charts = charts;
+            self.chart_labels =
+                of.into_iter().map(|fine| old[firsts[fine as usize] as usize]).collect();
+            maps = self.split_charts();
+        }
+        self.member_of_chart = (0..small(maps.len())).collect();
+        self.curves = curves(&mesh, &geometry, &self.face_charts);
+        for curve in &self.curves {
+            curve.edges.iter().for_each(|&e| self.bench.set_cut(e, true));
+        }
+        self.members = maps
+            .into_iter()
+            .enumerate()
+            .map(|(chart, (faces, map))| {
+                let area = faces.iter().map(|f| geometry.face_areas[f.index()]).sum();
+                Some(Member {
+                    faces,
+                    charts: vec![small(chart)],
+                    labels: BTreeSet::from([self.chart_labels[chart]]),
+                    map,
+                    is_forced: false,
+                    area,
+                    hash: hash(0, small(chart)),
+                })
+            })
+            .collect();
+        self.between.clear();
+        self.ways.clear();
+        self.queue.clear();
+        for (i, curve) in self.curves.iter().enumerate() {
+            self.between.entry(curve.charts).or_default().push(small(i));
+        }
+        for pair in self.wishes.together.clone() {
+            self.force(pair);
+        }
+        self.pending = self.between.keys().copied().collect();
+        self.unseen = (0..small(self.curves.len())).collect();
+        self.next_zip = 0;
+        self.status = Status::Running;
+        self.picture();
+        Ok(())
+    }
+
+    /// Splits charts until they pass. **Gives** faces and map of each chart.
+    fn split_charts(&mut self) -> Vec<(Vec<FaceId>, Option<Map>)> {
+        let (mesh, geometry) = (self.bench.mesh.clone(), self.bench.geometry.clone());
+        let normals = geometry.face_normals(&mesh);
+        let limits = Limits {
+            area: self.params.split_limit.min(self.params.area_limit),
+            ..Limits::of(&self.params)
+        };
+        let mut groups: Vec<Vec<FaceId>> = vec![Vec::new(); self.chart_labels.len()];
+        for f in mesh.faces() {
+            groups[self.face_charts[f.index()] as usize].push(f);
+        }
+        let mut maps: Vec<Option<Map>> = Vec::new();
+        // What is split off joins the queue at its end.
+        while maps.len() < groups.len() {
+            let chart = maps.len();
+            loop {
+                if let Ok(map) = self.bench.flatten(&groups[chart], &limits) {
+                    maps.push(Some(map));
+                    break;
+                }
+                let halves = bisect(&mesh, &normals, &geometry.face_areas, &groups[chart]);
+                let Some([kept, split]) = halves else {
+                    maps.push(None);
+                    break;
+                };
+                self.state.splits += 1;
+                for f in &split {
+                    self.face_charts[f.index()] = small(groups.len());
+                }
+                self.chart_labels.push(self.chart_labels[chart]);
+                groups.push(split);
+                groups[chart] = kept;
+            }
+        }
+        groups.into_iter().zip(maps).collect()
+    }
+
+    /// Merges all patches with these two labels, limits or not.
+    fn force(&mut self, [a, b]: [u32; 2]) {
+        let mut is_done = false;
+        loop {
+            let wanted = self.between.keys().copied().find(|[p, q]| {
+                let has = |i: u32, label: u32| {
+                    self.members[i as usize].as_ref().is_some_and(|m| m.labels.contains(&label))
+                };
+                (has(*p, a) && has(*q, b)) || (has(*p, b) && has(*q, a))
+            });
+            let Some(pair) = wanted else { break };
+            let curves = self.between[&pair].clone();
+            let edges: Vec<EdgeId> =
+                curves.iter().flat_map(|&c| self.curves[c as usize].edges.clone()).collect();
+            let mut removed = self.bench.remove(&edges);
+            self.bench.zip(&mut removed);
+            let faces = self.joined_faces(pair);
+            let limits = Limits::none(&self.params);
+            let Ok(map) = self.bench.flatten(&faces, &limits) else {
+                removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+                break;
+            };
+            self.merge(pair, &removed, &[], map, true);
+            is_done = true;
+        }
+        let one = self.members.iter().flatten().any(|m| m.labels.contains(&a) && m.labels.contains(&b));
+        if !(is_done || one) {
+            self.state.refused.push([a, b]);
+        }
+    }
+
+    fn joined_faces(&self, pair: [u32; 2]) -> Vec<FaceId> {
+        let parts = pair.map(|p| self.members[p as usize].as_ref());
+        let mut faces: Vec<FaceId> =
+            parts.iter().flatten().flat_map(|m| m.faces.iter().copied()).collect();
+        // In increasing order, as the check and the pipeline have them: ties between virtual cuts are then decided alike.
+        faces.sort_unstable();
+        faces
+    }
+
+    /// Options in force.
+    pub fn params(&self) -> &MergeParams {
+        &self.params
+    }
+
+    /// KNOBS
+    pub fn counts(&self) -> [usize; 4] {
+        self.bench.counts
+    }
+
+    /// How it stands.
+    pub fn status(&self) -> Status {
+        self.status
+    }
+
+    /// Accepted steps so far.
+    pub fn steps(&self) -> usize {
+        self.step
+    }
+
+    /// The surface.
+    pub fn mesh(&self) -> &Mesh {
+        &self.bench.mesh
+    }
+
+    /// Goes on with other options. Looser limits keep what there is; anything else starts from the charts again. After `Err` everything is as it was.
+    pub fn set_params(&mut self, params: MergeParams) -> Result<ParamsChange, SolveError> {
+        params.validate()?;
+        if params == self.params {
+            return Ok(ParamsChange::Nothing);
+        }
+        if params.measure != self.params.measure || params.rigid_steps != self.params.rigid_steps {
+            self.rejected.clear();
+        }
+        let is_looser = params.loosens(&self.params);
+        self.params = params;
+        if is_looser {
+            self.ways.clear();
+            self.queue.clear();
+            self.pending = self.between.keys().copied().collect();
+            self.unseen = self.between.values().flatten().copied().collect();
+            self.next_zip = 0;
+            self.state.phase = MergePhase::Merging;
+            self.status = Status::Running;
+            return Ok(ParamsChange::Continued);
+        }
+        self.start()?;
+        Ok(ParamsChange::Restarted)
+    }
+
+    /// Starts from the charts again with other wishes. After `Err` everything is as it was.
+    pub fn set_wishes(&mut self, wishes: MergeWishes) -> Result<(), SolveError> {
+        let (mesh, geometry) = (self.bench.mesh.clone(), self.bench.geometry.clone());
+        let mut other = Self::new(mesh, geometry, &self.labels, self.params, wishes)?;
+        other.step = self.step;
+        *self = other;
+        Ok(())
+    }
+
+    /// Whether two patches may meet at all.
+    fn may_join(&self, pair: [u32; 2]) -> bool {
+        let [Some(p), Some(q)] = pair.map(|i| self.members[i as usize].as_ref()) else {
+            return false;
+        };
+        let is_apart = self.wishes.apart.iter().any(|[a, b]| {
+            (p.labels.contains(a) && q.labels.contains(b))
+                || (p.labels.contains(b) && q.labels.contains(a))
+        });
+        !is_apart && p.area + q.area <= self.params.max_patch_area * self.total_area * (1.0 + 1e-12)
+    }
+
+    /// Lists the ways to merge a pair: all its curves at once, and each alone.
+    fn list_ways(&mut self, pair: [u32; 2]) {
+        if !self.may_join(pair) {
+            return;
+        }
+        let Some(curves) = self.between.get(&pair) else { return };
+        let edges_of = |c: &u32| self.curves[*c as usize].edges.clone();
+        let mut ways: Vec<Vec<EdgeId>> = curves.iter().map(edges_of).collect();
+        if curves.len() > 1 {
+            ways.push(curves.iter().flat_map(edges_of).collect());
+        }
+        let [p, q] = pair.map(|i| self.members[i as usize].as_ref().map_or(0.0, |m| m.area));
+        let smaller = (p.min(q) / self.total_area).powf(SMALL_FIRST);
+        let mut listed = Vec::new();
+        for edges in ways {
+            let mut removed = self.bench.remove(&edges);
+            self.bench.zip(&mut removed);
+            removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+            let length: f64 = removed.iter().map(|&e| self.bench.geometry.edge_length(e)).sum();
+            listed.push((length > 0.0).then(|| {
+                let factor = smaller / length;
+                Way { edges, factor, rank: (GROUND * factor).to_bits(), has_waited: false, offer: None }
+            }));
+        }
+        for (i, way) in listed.iter().enumerate() {
+            self.queue.extend(way.as_ref().map(|way| (way.rank, pair, small(i))));
+        }
+        self.ways.insert(pair, listed);
+    }
+
+    /// Forgets the ways to merge a pair.
+    fn drop_ways(&mut self, pair: [u32; 2]) {
+        for (i, way) in self.ways.remove(&pair).into_iter().flatten().enumerate() {
+            if let Some(way) = way {
+                self.queue.remove(&(way.rank, pair, small(i)));
+            }
+        }
+    }
+
+    /// One trial, and more with darts where they may help. The cut is as before afterwards.
+    ///
+    /// **Takes** the A_tot from which on others come first.
+    fn try_way(&mut self, pair: [u32; 2], edges: &[EdgeId], enough: f64, zips: bool) -> Tried {
+        let mut removed = self.bench.remove(edges);
+        if removed.is_empty() {
+            return Tried::Failed;
+        }
+        if zips {
+            self.bench.zip(&mut removed);
+        }
+        let tried = self.try_cut(pair, &removed, enough, zips);
+        removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+        match tried {
+            Ok((map, darts)) => Tried::Passed(Offer { removed, darts, map }),
+            Err(Reject::Later(bound)) => Tried::Later(bound),
+            Err(_) => Tried::Failed,
+        }
+    }
+
+    /// A map of a pair along the present cut, and the darts that it needs.
+    fn try_cut(
+        &mut self,
+        pair: [u32; 2],
+        removed: &[EdgeId],
+        enough: f64,
+        allows_darts: bool,
+    ) -> Result<(Map, Vec<EdgeId>), Reject> {
+        let faces = self.joined_faces(pair);
+        let mut key = removed.iter().fold(0, |key, e| key ^ hash(1, e.0));
+        for member in pair.iter().filter_map(|&p| self.members[p as usize].as_ref()) {
+            key ^= member.hash;
+        }
+        let count = match self.params.measure {
+            AreaMeasure::Absolute if allows_darts => self.params.darts,
+            _ => 0,
+        };
+        let wanted = Limits { enough, ..self.limits() };
+        let failure = match self.flatten_once(key, &faces, &Limits { wants_darts: count > 0, ..wanted }) {
+            Ok(map) => return Ok((map, Vec::new())),
+            Err(failure) => failure,
+        };
+        // What darts lead to is not postponed: the boundary without them says nothing about it.
+        let wanted = Limits { enough: f64::INFINITY, ..wanted };
+        let first_darts = failure.darts;
+        for kind in 0..first_darts.len() {
+            if first_darts[..kind].contains(&first_darts[kind]) {
+                continue;
+            }
+            let (mut darts, mut key, mut next) = (Vec::new(), key, first_darts[kind].clone());
+            let mut found = None;
+            for left in (0..count).rev() {
+                let Some(dart) = next else { break };
+                for e in dart {
+                    self.bench.set_cut(e, true);
+                    darts.push(e);
+                    key ^= hash(1, e.0);
+                }
+                let limits = Limits { wants_darts: left > 0, ..wanted };
+                match self.flatten_once(key, &faces, &limits) {
+                    Ok(map) => {
+                        found = Some(map);
+                        break;
+                    }
+                    Err(Failure { mut darts, .. }) => next = darts[kind].take(),
+                }
+            }
+            darts.iter().for_each(|&e| self.bench.set_cut(e, false));
+            if let Some(map) = found {
+                return Ok((map, darts));
+            }
+        }
+        Err(failure.reject)
+    }
+
+    /// One trial, unless it is known to fail.
+    fn flatten_once(&mut self, key: u128, faces: &[FaceId], limits: &Limits) -> Result<Map, Failure> {
+        if let Some(reject) = self.rejected.get(&key).filter(|reject| limits.still_reject(reject)) {
+            return Err((*reject).into());
+        }
+        let found = self.bench.flatten(faces, limits);
+        if let Err(Failure { reject, .. }) = &found
+            && !matches!(reject, Reject::Later(_))
+        {
+            self.rejected.insert(key, *reject);
+        }
+        found
+    }
+
+    fn limits(&self) -> Limits {
+        let limits = Limits::of(&self.params);
+        match self.params.strategy {
+            MergeStrategy::Paper => Limits { rigid_steps: 0, ..limits },
+            MergeStrategy::BestFirst => limits,
+        }
+    }
+
+    /// Makes one patch of two. The cut is brought up to date.
+    fn merge(
+        &mut self,
+        pair: [u32; 2],
+        removed: &[EdgeId],
+        darts: &[EdgeId],
+        map: Map,
+        is_forced: bool,
+    ) {
+        removed.iter().for_each(|&e| self.bench.set_cut(e, false));
+        darts.iter().for_each(|&e| self.bench.set_cut(e, true));
+        let [p, q] = pair.map(|i| i as usize);
+        let (Some(mut one), Some(other)) = (self.members[p].take(), self.members[q].take()) else {
+            return;
+        };
+        for &chart in &other.charts {
+            self.member_of_chart[chart as usize] = pair[0];
+        }
+        one.faces.extend(other.faces);
+        one.faces.sort_unstable();
+        one.charts.extend(other.charts);
+        one.labels.extend(other.labels);
+        one.is_forced |= other.is_forced || is_forced;
+        one.area += other.area;
+        one.hash ^= other.hash;
+        one.hash = removed.iter().chain(darts).fold(one.hash, |key, e| key ^ hash(1, e.0));
+        one.map = Some(map);
+        self.members[p] = Some(one);
+        self.between.remove(&pair);
+        let touched: Vec<[u32; 2]> =
+            self.between.keys().filter(|k| k.iter().any(|i| pair.contains(i))).copied().collect();
+        for old in touched {
+            self.drop_ways(old);
+            self.pending.remove(&old);
+            let Some(curves) = self.between.remove(&old) else { continue };
+            let far = if pair.contains(&old[0]) { old[1] } else { old[0] };
+            let new = [far.min(pair[0]), far.max(pair[0])];
+            let all = self.between.entry(new).or_default();
+            all.extend(curves);
+            all.sort_unstable();
+            self.pending.insert(new);
+        }
+        self.drop_ways(pair);
+        self.pending.remove(&pair);
+        self.state.merges += 1;
+    }
+
+    /// Merges a pair and its image, or neither. Gives whether it did.
+    fn merge_images(&mut self, pair: [u32; 2], edges: &[EdgeId], offer: Offer) -> bool {
+        let image = self.mirror.as_ref().and_then(|mirror| {
+            let image = pair.map(|i| {
+                let face = self.members[i as usize].as_ref().map_or(FaceId(0), |m| m.faces[0]);
+                self.member_of_chart[self.face_charts[mirror.face(face).index()] as usize]
+            });
+            let image = [image[0].min(image[1]), image[0].max(image[1])];
+            (image != pair).then(|| (image, mirror.edges(edges)))
+        });
+        let Some((image, edges)) = image else {
+            self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
+            return true;
+        };
+        let saved = (self.members.clone(), self.between.clone(), self.ways.clone());
+        let waiting = (self.queue.clone(), self.pending.clone(), self.member_of_chart.clone());
+        let (first_removed, first_darts) = (offer.removed.clone(), offer.darts.clone());
+        self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
+        // Where the two share a patch, it is now part of the first one's union.
+        let image = image.map(|i| if pair.contains(&i) { pair[0] } else { i });
+        let image = [image[0].min(image[1]), image[0].max(image[1])];
+        if self.may_join(image)
+            && let Tried::Passed(other) = self.try_way(image, &edges, f64::INFINITY, true)
+        {
+            self.merge(image, &other.removed, &other.darts, other.map, false);
+            return true;
+        }
+        first_darts.iter().for_each(|&e| self.bench.set_cut(e, false));
+        first_removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+        (self.members, self.between, self.ways) = saved;
+        (self.queue, self.pending, self.member_of_chart) = waiting;
+        self.state.merges -= 1;
+        false
+    }
+
+    /// Trials until a step is full or the best merge is known; then that.
+    ///
+    /// Ways wait in one queue, those that were tried by their key, others by a lower bound of it. What comes first and was tried is the best there is.
+    fn best_first_step(&mut self) {
+        while let Some(pair) = self.pending.pop_first() {
+            self.list_ways(pair);
+        }
+        let before = self.bench.trials;
+        while self.bench.trials < before + self.params.trials_per_step {
+            let Some((_, pair, index)) = self.queue.pop_first() else {
+                self.state.phase = MergePhase::Zipping;
+                return;
+            };
+            let slot = self.ways.get_mut(&pair).and_then(|ways| ways[index as usize].take());
+            let Some(mut way) = slot else { continue };
+            if let Some(offer) = way.offer {
+                if self.merge_images(pair, &way.edges, offer) {
+                    self.picture();
+                    return;
+                }
+                continue;
+            }
+            let next = self.queue.first().map_or(f64::INFINITY, |next| f64::from_bits(next.0));
+            let enough = if way.has_waited { f64::INFINITY } else { next / way.factor - GROUND };
+            let key = match self.try_way(pair, &way.edges, enough, true) {
+                Tried::Failed => continue,
+                Tried::Later(bound) => {
+                    way.has_waited = true;
+                    (bound + GROUND) * way.factor
+                }
+                Tried::Passed(offer) => {
+                    let key = (offer.map.measures.area_absolute + GROUND) * way.factor;
+                    way.offer = Some(offer);
+                    key
+                }
+            };
+            way.rank = key.to_bits();
+            self.queue.insert((way.rank, pair, index));
+            if let Some(ways) = self.ways.get_mut(&pair) {
+                ways[index as usize] = Some(way);
+            }
+        }
+    }
+
+    /// The paper's: curves by the area on both sides, largest first, each once.
+    fn paper_step(&mut self) {
+        let before = self.bench.trials;
+        while self.bench.trials < before + self.params.trials_per_step {
+            let mut next: Option<(f64, u32, [u32; 2])> = None;
+            for (&pair, curves) in &self.between {
+                let area: f64 =
+                    pair.iter().filter_map(|&p| self.members[p as usize].as_ref()).map(|m| m.area).sum();
+                for &c in curves.iter().filter(|c| self.unseen.contains(c)) {
+                    if next.is_none_or(|(a, i, _)| area > a || (area >= a && c < i)) {
+                        next = Some((area, c, pair));
+                    }
+                }
+            }
+            let Some((_, curve, pair)) = next else {
+                self.state.phase = MergePhase::Checking;
+                return;
+            };
+            self.unseen.remove(&curve);
+            if !self.may_join(pair) {
+                continue;
+            }
+            let edges = self.curves[curve as usize].edges.clone();
+            if let Tried::Passed(offer) = self.try_way(pair, &edges, f64::INFINITY, false) {
+                self.merge(pair, &offer.removed, &[], offer.map, false);
+                self.picture();
+                return;
+            }
+        }
+    }
+
+    /// Makes the public state from what is known.
+    pub(super) fn picture(&mut self) {
+        let mesh = self.bench.mesh.clone();
+        let geometry = self.bench.geometry.clone();
+        let mut member_of = vec![0u32; mesh.face_count()];
+        for (i, member) in self.members.iter().enumerate() {
+            for f in member.iter().flat_map(|m| &m.faces) {
+                member_of[f.index()] = small(i);
+            }
+        }
+        let mut numbers = vec![u32::MAX; self.members.len()];
+        let mut patches: Vec<PatchInfo> = Vec::new();
+        self.state.face_patches.clear();
+        for &member in &member_of {
+            let number = &mut numbers[member as usize];
+            if *number == u32::MAX {
+                *number = small(patches.len());
+                patches.extend(self.members[member as usize].as_ref().map(|m| self.info(m)));
+            }
+            self.state.face_patches.push(*number);
+        }
+        self.state.cut_edges.clear();
+        (self.state.seam_length, self.state.dart_length) = (0.0, 0.0);
+        for e in mesh.edges().filter(|e| self.bench.is_cut()[e.index()]) {
+            self.state.cut_edges.push(e);
+            let length = geometry.edge_length(e);
+            self.state.seam_length += length;
+            let [f, g] = [e.halfedge(), e.halfedge().twin()].map(|h| mesh.face(h));
+            if let (Some(f), Some(g)) = (f, g)
+                && self.state.face_patches[f.index()] == self.state.face_patches[g.index()]
+            {
+                self.state.dart_length += length;
+                patches[self.state.face_patches[f.index()] as usize].dart_length += length;
+            }
+        }
+        self.state.patches = patches;
+        self.state.face_charts.clone_from(&self.face_charts);
+    }
+
+    fn info(&self, member: &Member) -> PatchInfo {
+        let mut info = PatchInfo {
+            faces: member.faces.len(),
+            area: member.area / self.total_area,
+            charts: member.charts.len(),
+            is_forced: member.is_forced,
+            is_flat: member.map.is_some(),
+            ..PatchInfo::default()
+        };
+        if let Some(map) = &member.map {
+            info.area_total = map.measures.area_total;
+            info.area_absolute = map.measures.area_absolute;
+            info.l2_stretch = map.measures.l2_stretch;
+            info.l2_stretch_normalized = map.measures.l2_stretch_normalized;
+            info.angle_error = map.angle_error;
+            info.closure_error = map.closure_error;
+            info.loops = map.loops;
+        }
+        info
+    }
+
+    pub(super) fn limits_of(&self, member: &Member) -> Limits {
+        if member.is_forced {
+            Limits { rigid_steps: self.limits().rigid_steps, ..Limits::none(&self.params) }
+        } else {
+            self.limits()
+        }
+    }
+
+    fn report(&self) -> StepReport {
+        StepReport {
+            step: self.step,
+            energy: vec![
+                ("patches", self.state.patches.len() as f64),
+                ("seam length", self.state.seam_length),
+                ("dart length", self.state.dart_length),
+                ("ways to try", (self.queue.len() + self.pending.len()) as f64),
+            ],
+            residual: 0.0,
+            progress: None,
+            status: self.status,
+        }
+    }
+}
+
+impl Flow for MergeFlow {
+    type State = MergeState;
+
+    fn state(&self) -> &MergeState {
+        &self.state
+    }
+
+    /// Some trials or one merge; one patch zipped; or the check.
+    fn step(&mut self) -> Result<StepReport, SolveError> {
+        if self.status != Status::Running {
+            return Ok(self.report());
+        }
+        match self.state.phase {
+            MergePhase::Merging => match self.params.strategy {
+                MergeStrategy::BestFirst => self.best_first_step(),
+                MergeStrategy::Paper => self.paper_step(),
+            },
+            MergePhase::Zipping => self.zip_step(),
+            MergePhase::Checking => {
+                self.check()?;
+                self.state.phase = MergePhase::Done;
+                self.status = Status::Converged;
+            }
+            MergePhase::Done => {}
+        }
+        self.state.trials = self.bench.trials;
+        self.step += 1;
+        Ok(self.report())
+    }
+}
+
+/// A number for each chart and each edge, by the mixing steps of SplitMix64 (Steele, Lea, Flood 2014), twice.
+fn hash(kind: u32, number: u32) -> u128 {
+    let mix = |seed: u64| {
+        let mut z = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    };
+    let name = u64::from(kind) << 32 | u64::from(number);
+    u128::from(mix(2 * name + 1)) << 64 | u128::from(mix(2 * name + 2))
+}

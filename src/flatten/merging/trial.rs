@@ -1,0 +1,388 @@
+//! One trial: flattens some faces and says whether they may be a patch. Cheap tests go first.
+
+use std::collections::BinaryHeap;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use nalgebra::Point2;
+
+use super::params::{AreaMeasure, MergeParams};
+use crate::flatten::lpfb::interior::{InteriorSystem, PatchMeasures};
+use crate::flatten::lpfb::patch::{Nearest, Opener, Outline, Patch};
+use crate::flatten::lpfb::solve_boundary;
+use crate::flatten::overlap::{contacts, overlapping_triangles};
+use crate::flatten::small;
+use crate::geometry::{Geometry, angle_sums};
+use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
+use crate::methods::flow::Status;
+
+/// Angle sums this close to 2π are flat: a cut that ends there opens nothing.
+const FLAT: f64 = 1e-9;
+
+/// Longest dart, in roots of its patch's area.
+const DART_LENGTH: f64 = 0.4;
+
+/// Steps towards true lengths are taken where the harmonic map's change of area is at most so many times its limit.
+const STEPS_HOPE: f64 = 1.5;
+
+/// Darts are tried where the change of area is at most so many times its limit: what is further off needs more than two.
+const DART_HOPE: f64 = 4.0;
+
+/// Why some faces may not be a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reject {
+    /// Virtual cuts do not make them a disk.
+    Topology,
+    /// They would be larger than a patch may be (fraction of the surface).
+    Size(f64),
+    /// No closed boundary was found.
+    Boundary,
+    /// The boundary turns back on itself at a corner.
+    Turning,
+    /// The boundary crosses itself.
+    Crossing,
+    /// The interior cannot be solved for.
+    Degenerate,
+    /// So many faces turn over.
+    Flipped(usize),
+    /// Faces overlap where the boundary touches itself.
+    Overlap,
+    /// The change of area is too large.
+    Area(f64),
+    /// The L² stretch is too large.
+    Stretch(f64),
+    /// A_tot is so large already that other trials come first.
+    Later(f64),
+}
+
+/// What is asked of a patch.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    pub measure: AreaMeasure,
+    pub area: f64,
+    pub l2: f64,
+    pub rigid_steps: usize,
+    /// Whether darts are to be found where the change of area is too large.
+    pub wants_darts: bool,
+    /// A_tot from which on the trial may wait.
+    pub enough: f64,
+}
+
+impl Limits {
+    pub fn of(params: &MergeParams) -> Self {
+        Self {
+            measure: params.measure,
+            area: params.area_limit,
+            l2: params.l2_limit,
+            rigid_steps: params.rigid_steps,
+            wants_darts: false,
+            enough: f64::INFINITY,
+        }
+    }
+
+    /// No limits but injectivity.
+    pub fn none(params: &MergeParams) -> Self {
+        Self { area: f64::INFINITY, l2: f64::INFINITY, ..Self::of(params) }
+    }
+
+    /// Whether faces that were rejected so would be rejected under these limits, darts or not.
+    pub fn still_reject(&self, reject: &Reject) -> bool {
+        match *reject {
+            Reject::Area(change) => {
+                change > self.area * if self.wants_darts { DART_HOPE } else { 1.0 }
+            }
+            Reject::Stretch(stretch) => stretch > self.l2,
+            _ => true,
+        }
+    }
+
+    pub fn area_of(&self, measures: &PatchMeasures) -> f64 {
+        match self.measure {
+            AreaMeasure::Total => measures.area_total,
+            AreaMeasure::Absolute => measures.area_absolute,
+        }
+    }
+}
+
+/// A map of some faces.
+#[derive(Clone, Debug)]
+pub struct Map {
+    pub measures: PatchMeasures,
+    pub angle_error: f64,
+    pub closure_error: f64,
+    pub loops: usize,
+    /// Edges that make the patch a disk.
+    pub virtual_edges: Vec<EdgeId>,
+    /// Where the corners of each face lie, in the order of the faces.
+    pub places: Vec<[Point2<f64>; 3]>,
+}
+
+/// Why there is no map, and the darts of which one may help: from the vertex of the largest angle defect, and from the most compressed one.
+pub struct Failure {
+    pub reject: Reject,
+    pub darts: [Option<Vec<EdgeId>>; 2],
+}
+
+impl From<Reject> for Failure {
+    fn from(reject: Reject) -> Self {
+        Self { reject, darts: [None, None] }
+    }
+}
+
+/// The surface, and memory for trials.
+pub struct Bench {
+    pub mesh: Arc<Mesh>,
+    pub geometry: Arc<Geometry>,
+    opener: Opener,
+    angle_sums: Vec<f64>,
+    /// Number of cut edges at each vertex.
+    valences: Vec<u32>,
+    /// Cut edges, those between patches included.
+    is_cut: Vec<bool>,
+    /// Edges that stay cut.
+    pub is_kept: Vec<bool>,
+    pub trials: usize,
+    pub counts: [usize; 4],
+}
+
+impl Bench {
+    pub fn new(mesh: Arc<Mesh>, geometry: Arc<Geometry>) -> Self {
+        Self {
+            opener: Opener::new(&mesh),
+            angle_sums: angle_sums(&mesh, &geometry),
+            valences: vec![0; mesh.vertex_count()],
+            is_cut: vec![false; mesh.edge_count()],
+            is_kept: vec![false; mesh.edge_count()],
+            trials: 0,
+            counts: [0; 4],
+            mesh,
+            geometry,
+        }
+    }
+
+    pub fn is_cut(&self) -> &[bool] {
+        &self.is_cut
+    }
+
+    pub fn valence(&self, v: VertexId) -> u32 {
+        self.valences[v.index()]
+    }
+
+    pub fn set_cut(&mut self, e: EdgeId, cut: bool) {
+        if self.is_cut[e.index()] == cut {
+            return;
+        }
+        self.is_cut[e.index()] = cut;
+        for v in self.mesh.edge_vertices(e) {
+            if cut {
+                self.valences[v.index()] += 1;
+            } else {
+                self.valences[v.index()] -= 1;
+            }
+        }
+    }
+
+    /// Removes edges from the cut, those that stay excepted. **Gives** those that were removed.
+    pub fn remove(&mut self, edges: &[EdgeId]) -> Vec<EdgeId> {
+        let removed: Vec<EdgeId> = edges
+            .iter()
+            .copied()
+            .filter(|e| self.is_cut[e.index()] && !self.is_kept[e.index()])
+            .collect();
+        removed.iter().for_each(|&e| self.set_cut(e, false));
+        removed
+    }
+
+    /// Glues tips of cuts from where edges were removed on: a cut that ends at a vertex with an angle sum of 2π or more would overlap there.
+    pub fn zip(&mut self, removed: &mut Vec<EdgeId>) {
+        let mut next = 0;
+        while next < removed.len() {
+            let e = removed[next];
+            next += 1;
+            for mut v in self.mesh.edge_vertices(e) {
+                while let Some(tip) = self.tip_at(v) {
+                    if self.angle_sums[v.index()] < TAU - FLAT || self.is_kept[tip.index()] {
+                        break;
+                    }
+                    self.set_cut(tip, false);
+                    removed.push(tip);
+                    let [a, b] = self.mesh.edge_vertices(tip);
+                    v = if a == v { b } else { a };
+                }
+            }
+        }
+    }
+
+    /// The only cut edge at a vertex inside the surface.
+    pub fn tip_at(&self, v: VertexId) -> Option<EdgeId> {
+        if self.valences[v.index()] != 1 || self.mesh.is_boundary_vertex(v) {
+            return None;
+        }
+        self.mesh.outgoing(v).map(|h| h.edge()).find(|e| self.is_cut[e.index()])
+    }
+
+    /// Flattens some faces along the present cut.
+    pub fn flatten(&mut self, faces: &[FaceId], limits: &Limits) -> Result<Map, Failure> {
+        self.trials += 1;
+        let (mesh, geometry) = (self.mesh.clone(), self.geometry.clone());
+        let patch = self.opener.open(&mesh, &geometry, faces, &self.is_cut);
+        let Some(outline) = self.opener.outline(&mesh, &geometry, &self.is_cut, &patch) else {
+            return Err(Reject::Topology.into());
+        };
+        let (outcome, mut places) = solve_boundary(&outline, patch.vertices.len());
+        if outcome.status == Status::Infeasible {
+            return Err(Reject::Boundary.into());
+        }
+        let area = patch.area(&geometry);
+        let total = (shoelace(&outline, &places) - area).abs() / area;
+        if !(total <= limits.area) {
+            // The polygon alone tells the total, which the absolute change is never below.
+            let has_hope = limits.wants_darts && total <= DART_HOPE * limits.area;
+            if !has_hope {
+                return Err(Reject::Area(total).into());
+            }
+        }
+        if total > limits.enough {
+            return Err(Reject::Later(total).into());
+        }
+        if turns_back(&outline, &places) {
+            return Err(Reject::Turning.into());
+        }
+        let loops: Vec<Vec<Point2<f64>>> = patch
+            .loops
+            .iter()
+            .map(|rim| rim.iter().map(|&h| places[self.opener.vertex_at(h) as usize]).collect())
+            .collect();
+        let loops: Vec<&[Point2<f64>]> = loops.iter().map(Vec::as_slice).collect();
+        let contacts = contacts(&loops);
+        if !contacts.crossings.is_empty() {
+            return Err(Reject::Crossing.into());
+        }
+        self.counts[0] += 1;
+        let mut system =
+            InteriorSystem::new(&patch, &mesh, &geometry).map_err(|_| Reject::Degenerate)?;
+        system.fill(&mut places, 0);
+        let mut measures = system.measure(&places);
+        let mut change = limits.area_of(&measures);
+        // Steps towards true lengths bring the absolute change down by a tenth or two, never by so much.
+        if limits.rigid_steps > 0 && change <= limits.area * if limits.wants_darts { DART_HOPE } else { STEPS_HOPE } {
+            self.counts[1] += 1;
+            system.refine(&mut places, limits.rigid_steps);
+            measures = system.measure(&places);
+            change = limits.area_of(&measures);
+        }
+        if !(change <= limits.area) {
+            let darts = if limits.wants_darts && change <= DART_HOPE * limits.area {
+                self.darts(&patch, &places, area)
+            } else {
+                [None, None]
+            };
+            return Err(Failure { reject: Reject::Area(change), darts });
+        }
+        if measures.flipped > 0 {
+            return Err(Reject::Flipped(measures.flipped).into());
+        }
+        if !(measures.l2_stretch <= limits.l2) {
+            return Err(Reject::Stretch(measures.l2_stretch).into());
+        }
+        let corners: Vec<[Point2<f64>; 3]> =
+            patch.corners.iter().map(|c| c.map(|v| places[v as usize])).collect();
+        if !contacts.touches.is_empty() && !overlapping_triangles(&corners).is_empty() {
+            return Err(Reject::Overlap.into());
+        }
+        let mut virtual_edges: Vec<EdgeId> =
+            outline.problem.cuts.iter().map(|c| outline.sides[c[0] as usize].edge()).collect();
+        virtual_edges.sort_unstable();
+        Ok(Map {
+            measures,
+            angle_error: outcome.angle_error,
+            closure_error: outcome.closure_error,
+            loops: patch.loops.len(),
+            virtual_edges,
+            places: corners,
+        })
+    }
+
+    /// Two darts that may help: from the inner vertex of the smallest angle sum, and from the one of positive curvature that is most compressed.
+    fn darts(&self, patch: &Patch, places: &[Point2<f64>], area: f64) -> [Option<Vec<EdgeId>>; 2] {
+        let mut sums = vec![[0.0f64; 2]; patch.vertices.len()];
+        for (corners, f) in patch.corners.iter().zip(&patch.faces) {
+            let [a, b, c] = corners.map(|v| places[v as usize]);
+            let flat = 0.5 * (b - a).perp(&(c - a));
+            for v in corners {
+                sums[*v as usize][0] += flat;
+                sums[*v as usize][1] += self.geometry.face_areas[f.index()];
+            }
+        }
+        let mut best: [Option<(f64, usize)>; 2] = [None, None];
+        for (v, [flat, true_area]) in sums.iter().enumerate() {
+            let angle_sum = self.angle_sums[patch.vertices[v].index()];
+            if patch.is_rim[v] || angle_sum >= TAU - FLAT {
+                continue;
+            }
+            for (best, ratio) in best.iter_mut().zip([angle_sum / TAU, flat / true_area]) {
+                if ratio < best.map_or(1.0, |b| b.0) {
+                    *best = Some((ratio, v));
+                }
+            }
+        }
+        best.map(|best| self.way_to_rim(patch, best?.1, area))
+    }
+
+    /// The shortest way from an inner vertex to the rim, if it is short.
+    fn way_to_rim(&self, patch: &Patch, start: usize, area: f64) -> Option<Vec<EdgeId>> {
+        let (mesh, geometry) = (&*self.mesh, &*self.geometry);
+        let reach = DART_LENGTH * area.sqrt();
+        let mut distances = vec![f64::INFINITY; patch.vertices.len()];
+        let mut before: Vec<Option<(EdgeId, u32)>> = vec![None; patch.vertices.len()];
+        let mut queue = BinaryHeap::new();
+        distances[start] = 0.0;
+        queue.push(Nearest { distance: 0.0, vertex: small(start) });
+        while let Some(Nearest { distance, vertex }) = queue.pop() {
+            let v = vertex as usize;
+            if distance > distances[v] {
+                continue;
+            }
+            if patch.is_rim[v] {
+                let mut path = Vec::new();
+                let mut at = v;
+                while let Some((e, from)) = before[at] {
+                    path.push(e);
+                    at = from as usize;
+                }
+                return Some(path);
+            }
+            // Off the rim, all that leaves the mesh vertex lies inside the patch.
+            for h in mesh.outgoing(patch.vertices[v]) {
+                let tip = self.opener.vertex_at(mesh.next(h));
+                let along = distance + geometry.edge_length(h.edge());
+                if along <= reach && along < distances[tip as usize] {
+                    distances[tip as usize] = along;
+                    before[tip as usize] = Some((h.edge(), vertex));
+                    queue.push(Nearest { distance: along, vertex: tip });
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Signed area within an outline; virtual cuts cancel.
+fn shoelace(outline: &Outline, places: &[Point2<f64>]) -> f64 {
+    let n = outline.vertices.len();
+    let at = |i: usize| places[outline.vertices[i % n] as usize];
+    let origin = at(0);
+    (0..n).map(|i| 0.5 * (at(i) - origin).perp(&(at(i + 1) - origin))).sum()
+}
+
+/// Whether the outline of a disk turns by half a turn or more at a corner, so that all turns, each told up to full turns, do not add up to
+/// a full one: it overlaps itself there. Outlines with virtual cuts are left to the search for crossings.
+fn turns_back(outline: &Outline, places: &[Point2<f64>]) -> bool {
+    let n = outline.vertices.len();
+    let at = |i: usize| places[outline.vertices[i % n] as usize];
+    let turn = |i: usize| {
+        let (before, on) = (at(i) - at(i + n - 1), at(i + 1) - at(i));
+        before.perp(&on).atan2(before.dot(&on))
+    };
+    outline.problem.cuts.is_empty() && ((0..n).map(turn).sum::<f64>() - TAU).abs() > 1.0
+}

@@ -1,0 +1,91 @@
+//! Figures of length-preserved boundaries and of merging.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use cutflow::flatten::comparison::{Compared, Specimen};
+use cutflow::flatten::lpfb::boundary::{BoundaryProblem, BoundarySolver};
+use cutflow::flatten::merging::{AreaMeasure, MergeFlow, MergeParams, MergeWishes};
+use cutflow::geometry::Geometry;
+use cutflow::mesh::{CutMesh, Mesh};
+use cutflow::methods::cutflow::{Initial, initial_labels};
+use cutflow::methods::flow::{Flow, Status};
+use nalgebra::Point3;
+
+use crate::{Row, mean, seconds, sphere};
+
+/// The rim of a crumpled disk.
+fn rim(n: usize) -> BoundaryProblem {
+    let lengths = (0..n).map(|i| 1.0 + 0.4 * (i as f64 * 1.7).sin()).collect();
+    let angles =
+        (0..n).map(|i| PI - 2.0 * PI / n as f64 + 0.3 * (i as f64 * 0.9).cos() + 3.0 / n as f64);
+    let angles = angles.collect();
+    BoundaryProblem { lengths, angles, loops: vec![0; n], loop_count: 1, cuts: vec![] }
+}
+
+/// A bowl over an n × n grid.
+fn bowl(n: u32) -> Specimen {
+    let at = |i: u32, j: u32| i * (n + 1) + j;
+    let mut triangles = Vec::new();
+    let mut points = Vec::new();
+    for i in 0..=n {
+        for j in 0..=n {
+            let [x, y] = [i, j].map(|k| f64::from(k) / f64::from(n) - 0.5);
+            points.push(Point3::new(x, y, 0.3 * x * x + 0.2 * y * y + 0.01 * (9.0 * x * y).sin()));
+            if i < n && j < n {
+                triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+    }
+    let mesh = Mesh::new(points.len(), &triangles).expect("a grid is a surface");
+    let opened = CutMesh::uncut(&mesh).open().expect("there is nothing to cut");
+    let geometry = Geometry::measure(&opened.mesh, points);
+    Specimen::new(opened, geometry).expect("a grid is a disk")
+}
+
+/// All of them.
+pub fn rows() -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (n, limit) in [(1500, 1.0), (6000, 4.0)] {
+        let prepared = BoundarySolver::new(&rim(n));
+        let time = mean(20, || {
+            let outcome = prepared.clone().solve();
+            assert_eq!(outcome.status, Status::Converged);
+        });
+        let name = format!("boundary of {n} sides");
+        rows.push(Row { name, value: 1e3 * time, unit: "ms", limit: Some(limit) });
+    }
+    let bowl = bowl(100);
+    let [ours, lscm] = [Compared::Lpfb, Compared::Lscm].map(|method| {
+        mean(5, || {
+            method.flatten(&bowl).expect("memory suffices");
+        })
+    });
+    rows.push(Row {
+        name: "length-preserved boundary and interior of 10k vertices, over LSCM".to_owned(),
+        value: ours / lscm,
+        unit: "",
+        limit: Some(0.5),
+    });
+    let (mesh, geometry) = sphere(32);
+    let initial = Initial::NormalClusters { angle: 0.5, regions: 60 };
+    let found = initial_labels(&mesh, &geometry, &initial).expect("a sphere has clusters").labels;
+    let labels: Vec<u32> = mesh.triangles().iter().map(|t| found[t[0].index()]).collect();
+    let params = MergeParams { measure: AreaMeasure::Total, ..MergeParams::default() };
+    let mut flow =
+        MergeFlow::new(Arc::new(mesh), Arc::new(geometry), &labels, params, MergeWishes::default())
+            .expect("a sphere can be merged");
+    let time = seconds(|| {
+        while flow.status() == Status::Running {
+            flow.step().expect("a sphere can be merged");
+        }
+    });
+    rows.push(Row {
+        name: format!("a merge trial, mean of {}", flow.state().trials),
+        value: 1e3 * time / flow.state().trials as f64,
+        unit: "ms",
+        limit: Some(1.0),
+    });
+    rows
+}

@@ -1,0 +1,233 @@
+//! Merging into quasi-developable patches: valid at any moment, within the limits, as the user wishes, the same every time.
+
+use std::sync::Arc;
+
+use cutflow::flatten::merging::{
+    AreaMeasure, MergeFlow, MergeParams, MergePhase, MergeState, MergeStrategy, MergeWishes,
+    ParamsChange,
+};
+use cutflow::flatten::{measure, validate};
+use cutflow::methods::cutflow::{Initial, initial_labels};
+use cutflow::methods::flow::{Flow, SolveError, Status};
+
+use crate::surfaces::Surface;
+
+/// Clusters of normals: charts to begin with.
+fn labels(surface: &Surface, regions: u32) -> Vec<u32> {
+    let initial = Initial::NormalClusters { angle: 0.6, regions };
+    let found = initial_labels(&surface.mesh, &surface.geometry, &initial).unwrap().labels;
+    // Of vertices: a face takes that of its first corner.
+    surface.mesh.triangles().iter().map(|t| found[t[0].index()]).collect()
+}
+
+fn begin(surface: &Surface, labels: &[u32], params: MergeParams, wishes: MergeWishes) -> MergeFlow {
+    let (mesh, geometry) = (Arc::new(surface.mesh.clone()), Arc::new(surface.geometry.clone()));
+    MergeFlow::new(mesh, geometry, labels, params, wishes).unwrap()
+}
+
+fn run(flow: &mut MergeFlow) {
+    let mut steps = 0;
+    while flow.status() == Status::Running {
+        flow.step().unwrap();
+        steps += 1;
+        assert!(steps < 100_000, "it goes on for ever");
+    }
+}
+
+/// The segmentation is one: patches are connected along uncut edges, and cut edges are all that parts them.
+fn assert_valid(flow: &MergeFlow) {
+    let (mesh, state) = (flow.mesh(), flow.state());
+    let mut is_cut = vec![false; mesh.edge_count()];
+    state.cut_edges.iter().for_each(|e| is_cut[e.index()] = true);
+    for e in mesh.edges() {
+        let [f, g] = [e.halfedge(), e.halfedge().twin()].map(|h| mesh.face(h));
+        if let (Some(f), Some(g)) = (f, g)
+            && state.face_patches[f.index()] != state.face_patches[g.index()]
+        {
+            assert!(is_cut[e.index()], "patches meet across edge {}", e.0);
+        }
+    }
+    let limits = flow.params();
+    for patch in &state.patches {
+        let area = match limits.measure {
+            AreaMeasure::Total => patch.area_total,
+            AreaMeasure::Absolute => patch.area_absolute,
+        };
+        assert!(patch.is_flat && (area <= limits.area_limit || patch.is_forced), "{patch:?}");
+        assert!(patch.l2_stretch <= limits.l2_limit && patch.closure_error < 1e-9, "{patch:?}");
+    }
+    let faces: usize = state.patches.iter().map(|p| p.faces).sum();
+    assert_eq!(faces, mesh.face_count());
+}
+
+/// The maps are what was promised, by code that knows nothing of merging.
+fn assert_flat(flow: &MergeFlow) {
+    let (opened, geometry, charts) = flow.flattening().unwrap();
+    assert_eq!(opened.patch_count, flow.state().patches.len());
+    assert_eq!(opened.face_patches, flow.state().face_patches);
+    assert!(charts.charts.iter().all(Result::is_ok), "every patch is a disk");
+    let validity = validate(&opened, &charts, None);
+    assert!(validity.is_valid(), "{:?}", validity.totals);
+    let measures = measure(&opened, &geometry, &charts);
+    for (chart, patch) in measures.charts.iter().zip(&flow.state().patches) {
+        let chart = chart.as_ref().unwrap();
+        // Rounding of sums over some hundred faces, and of lengths taken from positions.
+        assert!((chart.area_change_abs - patch.area_absolute).abs() < 1e-9, "{chart:?}, {patch:?}");
+        assert!((chart.l2_stretch - patch.l2_stretch).abs() < 1e-9, "{chart:?}, {patch:?}");
+        assert_eq!(chart.faces, patch.faces);
+    }
+}
+
+fn small_surface() -> (Surface, Vec<u32>) {
+    let surface = Surface::sphere(9);
+    let labels = labels(&surface, 24);
+    (surface, labels)
+}
+
+#[test]
+fn a_flow_of_merges_keeps_the_contract() {
+    let (surface, labels) = small_surface();
+    for (measure, strategy) in [
+        (AreaMeasure::Absolute, MergeStrategy::BestFirst),
+        (AreaMeasure::Total, MergeStrategy::BestFirst),
+        (AreaMeasure::Absolute, MergeStrategy::Paper),
+    ] {
+        let params = MergeParams { measure, strategy, ..MergeParams::default() };
+        let mut flow = begin(&surface, &labels, params, MergeWishes::default());
+        let mut twin = begin(&surface, &labels, params, MergeWishes::default());
+        let mut patches = flow.state().patches.len();
+        let before = patches;
+        let mut steps = 0;
+        while flow.status() == Status::Running {
+            let report = flow.step().unwrap();
+            assert_eq!(report, twin.step().unwrap());
+            assert_eq!(flow.state(), twin.state(), "the same every time");
+            assert!(flow.state().patches.len() <= patches, "patches never become more");
+            patches = flow.state().patches.len();
+            steps += 1;
+            if steps % 10 == 0 {
+                assert_valid(&flow);
+            }
+        }
+        assert_eq!((flow.status(), flow.state().phase), (Status::Converged, MergePhase::Done));
+        assert!(patches < before, "{before} to {patches}");
+        let end: MergeState = flow.state().clone();
+        flow.step().unwrap();
+        assert_eq!(flow.state(), &end, "quiet at its end");
+        assert_valid(&flow);
+        assert_flat(&flow);
+    }
+}
+
+#[test]
+fn parts_of_a_cylinder_become_one_patch_again() {
+    let surface = Surface::from_soup("cylinder", &crate::surfaces::cylinder(24, 9));
+    // Eight strips along it.
+    let at = |f: usize| {
+        let [a, b, c] = surface.mesh.triangles()[f].map(|v| surface.geometry.positions[v.index()]);
+        let centre = (a.coords + b.coords + c.coords) / 3.0;
+        let turn = centre.y.atan2(centre.x) / std::f64::consts::TAU + 0.5;
+        ((turn * 8.0) as u32).min(7)
+    };
+    let labels: Vec<u32> = (0..surface.mesh.face_count()).map(at).collect();
+    let mut flow = begin(&surface, &labels, MergeParams::default(), MergeWishes::default());
+    run(&mut flow);
+    let state = flow.state();
+    assert_eq!(state.patches.len(), 1);
+    // One cut from rim to rim is left, and the rest is isometric.
+    assert!(state.patches[0].area_absolute < 1e-9 && state.dart_length > 0.0, "{state:?}");
+    assert_flat(&flow);
+}
+
+#[test]
+fn wishes_are_kept() {
+    let (surface, labels) = small_surface();
+    let free = {
+        let mut flow = begin(&surface, &labels, MergeParams::default(), MergeWishes::default());
+        run(&mut flow);
+        flow.state().clone()
+    };
+    let of_label = |label: u32| labels.iter().position(|&l| l == label).unwrap();
+    // Two labels that one patch has: apart from now on.
+    let mut pair = None;
+    for f in 0..labels.len() {
+        for g in 0..labels.len() {
+            if labels[f] != labels[g] && free.face_patches[f] == free.face_patches[g] {
+                pair = pair.or(Some([labels[f], labels[g]]));
+            }
+        }
+    }
+    let [a, b] = pair.expect("something was merged");
+    let kept = free.cut_edges[0];
+    let wishes = MergeWishes { apart: vec![[a, b]], kept_edges: vec![kept], ..Default::default() };
+    let mut flow = begin(&surface, &labels, MergeParams::default(), wishes);
+    run(&mut flow);
+    let patches = &flow.state().face_patches;
+    for (f, &p) in patches.iter().enumerate().filter(|(f, _)| labels[*f] == a) {
+        let other = (0..labels.len()).any(|g| labels[g] == b && patches[g] == p);
+        assert!(!other, "face {f} shares a patch with label {b}");
+    }
+    assert!(flow.state().cut_edges.contains(&kept));
+    assert_valid(&flow);
+
+    // Two that it does not have, together.
+    let (f, g) = (0..labels.len())
+        .find_map(|f| {
+            let neighbours = surface.mesh.face_halfedges(cutflow::mesh::FaceId::from(f));
+            neighbours.into_iter().find_map(|h| {
+                let g = surface.mesh.face(h.twin())?.index();
+                (free.face_patches[f] != free.face_patches[g]).then_some((f, g))
+            })
+        })
+        .unwrap();
+    let together = vec![[labels[f], labels[g]]];
+    let wishes = MergeWishes { together, ..Default::default() };
+    let mut flow = begin(&surface, &labels, MergeParams::default(), wishes);
+    run(&mut flow);
+    let patches = &flow.state().face_patches;
+    let one = patches[of_label(labels[f])] == patches[of_label(labels[g])];
+    assert!(one || !flow.state().refused.is_empty());
+    assert_valid(&flow);
+    assert_flat(&flow);
+}
+
+#[test]
+fn limits_can_be_changed_while_it_runs() {
+    let (surface, labels) = small_surface();
+    let tight = MergeParams { area_limit: 0.03, ..MergeParams::default() };
+    let mut flow = begin(&surface, &labels, tight, MergeWishes::default());
+    run(&mut flow);
+    let many = flow.state().patches.len();
+    let loose = MergeParams { area_limit: 0.12, ..tight };
+    assert_eq!(flow.set_params(loose), Ok(ParamsChange::Continued));
+    assert_eq!(flow.state().patches.len(), many, "what there is stays");
+    run(&mut flow);
+    let few = flow.state().patches.len();
+    assert!(few < many, "{many} to {few}");
+    assert_valid(&flow);
+    assert_eq!(flow.set_params(loose), Ok(ParamsChange::Nothing));
+    assert_eq!(flow.set_params(tight), Ok(ParamsChange::Restarted));
+    run(&mut flow);
+    assert_eq!(flow.state().patches.len(), many, "from the charts it goes the same way again");
+    let wrong = MergeParams { area_limit: f64::NAN, ..tight };
+    assert!(matches!(flow.set_params(wrong), Err(SolveError::Parameter { .. })));
+    // No patch may be more than an eighth of the surface.
+    let small = MergeParams { max_patch_area: 0.125, ..loose };
+    assert_eq!(flow.set_params(small), Ok(ParamsChange::Restarted));
+    run(&mut flow);
+    assert!(flow.state().patches.iter().all(|p| p.area <= 0.125 + 1e-9));
+    assert_valid(&flow);
+}
+
+#[test]
+fn charts_that_fail_are_split_first() {
+    // All of a sphere is one chart, which nothing flattens.
+    let surface = Surface::sphere(6);
+    let labels = vec![7; surface.mesh.face_count()];
+    let mut flow = begin(&surface, &labels, MergeParams::default(), MergeWishes::default());
+    assert!(flow.state().splits > 4);
+    assert_valid(&flow);
+    run(&mut flow);
+    assert_valid(&flow);
+    assert_flat(&flow);
+}
