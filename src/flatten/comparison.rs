@@ -96,8 +96,12 @@ impl Specimen {
         } else {
             let mut cut = CutMesh::uncut(&opened.mesh);
             let disks = cut_to_disks(&mut cut, &geometry.positions)?;
-            let places =
-                disks.opened.vertex_points.iter().map(|&p| geometry.positions[p as usize]).collect();
+            let places = disks
+                .opened
+                .vertex_points
+                .iter()
+                .map(|&p| geometry.positions[p as usize])
+                .collect();
             let measured = Geometry::measure(&disks.opened.mesh, places);
             Some((disks.opened, measured))
         };

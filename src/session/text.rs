@@ -190,7 +190,10 @@ impl Problem {
                 "Change the prescribed cones, the excluded region or the bounds.",
             ),
             SolveError::PatchCheck { face } => Self::new(
-                format!("The patch of face {} does not keep its limits when it is flattened anew.", face.0),
+                format!(
+                    "The patch of face {} does not keep its limits when it is flattened anew.",
+                    face.0
+                ),
                 format!("{name}, check of the patches."),
                 "Change a limit a little and merge again.",
             ),

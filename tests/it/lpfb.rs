@@ -96,7 +96,8 @@ fn with_holes(
     for (i, triangle) in triangles.iter().enumerate() {
         let square = i as u32 / 2;
         let at = [square % size[0], square / size[0]];
-        let inside = |[low, high]: &[[u32; 2]; 2]| (0..2).all(|k| low[k] <= at[k] && at[k] < high[k]);
+        let inside =
+            |[low, high]: &[[u32; 2]; 2]| (0..2).all(|k| low[k] <= at[k] && at[k] < high[k]);
         if holes.iter().any(inside) {
             continue;
         }
@@ -120,7 +121,11 @@ fn developable_patches_keep_all_lengths() {
         ("flat", Sheet::flat(), 1),
         ("cylinder", Sheet::cylinder(), 1),
         ("cone", Sheet::cone(), 1),
-        ("flat with holes", with_holes([24, 14], &TWO_HOLES, |s, t| [2.0 * s, t + 0.3 * s, 0.0]), 3),
+        (
+            "flat with holes",
+            with_holes([24, 14], &TWO_HOLES, |s, t| [2.0 * s, t + 0.3 * s, 0.0]),
+            3,
+        ),
         ("cylinder with holes", with_holes([24, 14], &TWO_HOLES, bent), 3),
     ];
     for (name, sheet, loops) in sheets {
@@ -131,10 +136,14 @@ fn developable_patches_keep_all_lengths() {
         // Rounding of sums over some hundred sides.
         assert!(boundary.closure_error < 1e-12 && boundary.angle_error < 1e-9, "{name}");
         assert!(report.length_error_max < 1e-11, "{name}: {}", report.length_error_max);
-        let [_, angle_error] = rim_errors(&sheet.opened, &sheet.geometry, &charts.uv, &report.loops);
+        let [_, angle_error] =
+            rim_errors(&sheet.opened, &sheet.geometry, &charts.uv, &report.loops);
         assert!(angle_error < 1e-9, "{name}: {angle_error}");
         let chart = measures.charts[0].as_ref().unwrap();
-        assert!(chart.area_change.abs() < 1e-9 && chart.area_change_abs < 1e-9, "{name}: {chart:?}");
+        assert!(
+            chart.area_change.abs() < 1e-9 && chart.area_change_abs < 1e-9,
+            "{name}: {chart:?}"
+        );
         assert!((chart.l2_stretch - 1.0).abs() < 1e-9, "{name}: {}", chart.l2_stretch);
         assert!(strain(&sheet, &charts.uv) < 1e-9, "{name}");
         assert_eq!((report.flipped, report.crossings, chart.overlaps), (0, 0, 0), "{name}");
@@ -230,8 +239,16 @@ fn the_table_of_the_paper_side_by_side() {
         for row in &rows {
             eprintln!(
                 "{name:10} {:16} faces {:5} rim {:4} L2 {:.4} A {:+.4} A_abs {:.4} Π_L {:.1e} Π_θ {:.1e} flips {} overlaps {}",
-                row.method.name(), row.faces, row.rim_sides, row.l2_stretch, row.area_change,
-                row.area_change_abs, row.length_error, row.angle_error, row.flipped, row.overlaps
+                row.method.name(),
+                row.faces,
+                row.rim_sides,
+                row.l2_stretch,
+                row.area_change,
+                row.area_change_abs,
+                row.length_error,
+                row.angle_error,
+                row.flipped,
+                row.overlaps
             );
         }
         let [ours, others @ ..] = rows.as_slice() else { panic!("no rows") };

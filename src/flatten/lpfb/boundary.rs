@@ -203,7 +203,8 @@ impl BoundarySolver {
 
     fn conclude(&mut self) {
         let n = self.theta.len() as f64;
-        let worst = self.values.iter().fold(0.0f64, |m, c| if c.is_nan() { *c } else { m.max(c.abs()) });
+        let worst =
+            self.values.iter().fold(0.0f64, |m, c| if c.is_nan() { *c } else { m.max(c.abs()) });
         if self.outcome.status == Status::Running {
             let is_closed = worst <= OPEN;
             self.outcome.status = if is_closed { Status::Stalled } else { Status::Infeasible };
@@ -287,7 +288,8 @@ impl BoundarySolver {
             }
             self.factor[i * m] = sum;
             for (c, &[a, b]) in self.cuts.iter().enumerate() {
-                self.factor[i * m + 1 + c] = self.prefix[b as usize + 1] - self.prefix[a as usize + 1];
+                self.factor[i * m + 1 + c] =
+                    self.prefix[b as usize + 1] - self.prefix[a as usize + 1];
             }
             for j in self.linear..=i {
                 let other = (j - self.linear) * n;
@@ -347,7 +349,9 @@ impl BoundarySolver {
                 *step -= mu * x;
             }
         }
-        self.step[..n].iter().fold(0.0f64, |most, d| if d.is_nan() { *d } else { most.max(d.abs()) })
+        self.step[..n]
+            .iter()
+            .fold(0.0f64, |most, d| if d.is_nan() { *d } else { most.max(d.abs()) })
     }
 
     /// ½ |θ − a|² + ρ |c|₁ at the present angles and constraints.

@@ -189,7 +189,8 @@ impl<'a> InteriorSystem<'a> {
     /// What a map is worth. **Costs** O(F).
     pub fn measure(&self, places: &[Point2<f64>]) -> PatchMeasures {
         let mut sums = PatchMeasures { faces: self.patch.faces.len(), ..Default::default() };
-        let (mut flat, mut off, mut weight, mut flat_weight, mut stretch) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut flat, mut off, mut weight, mut flat_weight, mut stretch) =
+            (0.0, 0.0, 0.0, 0.0, 0.0);
         for (f, corners) in self.patch.corners.iter().enumerate() {
             let area = self.geometry.face_areas[self.patch.faces[f].index()];
             let [a, b, c] = corners.map(|v| places[v as usize]);
@@ -205,8 +206,9 @@ impl<'a> InteriorSystem<'a> {
                 // |f_x|² + |f_y|² = Σ cot |image of the side|² / 2A, the Dirichlet energy of the face.
                 let cotangents = self.geometry.corner_cotangents[self.patch.faces[f].index()];
                 let lengths = [(b - a), (c - b), (a - c)].map(|d| d.norm_squared());
-                let dirichlet: f64 = (0..3).map(|i| lengths[i] * cotangents[(i + 2) % 3]).sum::<f64>()
-                    / (2.0 * area);
+                let dirichlet: f64 =
+                    (0..3).map(|i| lengths[i] * cotangents[(i + 2) % 3]).sum::<f64>()
+                        / (2.0 * area);
                 let ratio = 0.5 * doubled / area;
                 stretch += area * 0.5 * dirichlet / (ratio * ratio);
                 weight += area;

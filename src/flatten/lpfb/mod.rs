@@ -201,8 +201,7 @@ pub fn rim_errors(
     for rim in loops {
         for (i, &h) in rim.iter().enumerate() {
             let before = rim[(i + rim.len() - 1) % rim.len()];
-            let [a, b, c] =
-                [mesh.tail(before), mesh.tail(h), mesh.tip(h)].map(|v| uv[v.index()]);
+            let [a, b, c] = [mesh.tail(before), mesh.tail(h), mesh.tip(h)].map(|v| uv[v.index()]);
             lengths += ((c - b).norm() - geometry.edge_length(h.edge())).abs();
             let surface = patch::angle_at(mesh, geometry, h, |g| mesh.face(g.twin()).is_none());
             let (back, on) = (a - b, c - b);

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::flow::{MergeFlow, Member};
+use super::flow::{Member, MergeFlow};
 use super::state::MergePhase;
 use super::trial::{Limits, Map};
 use crate::flatten::disks::log_scales;

@@ -290,7 +290,8 @@ impl MergeFlow {
             self.merge(pair, &removed, &[], map, true);
             is_done = true;
         }
-        let one = self.members.iter().flatten().any(|m| m.labels.contains(&a) && m.labels.contains(&b));
+        let one =
+            self.members.iter().flatten().any(|m| m.labels.contains(&a) && m.labels.contains(&b));
         if !(is_done || one) {
             self.state.refused.push([a, b]);
         }
@@ -397,7 +398,13 @@ impl MergeFlow {
             let length: f64 = removed.iter().map(|&e| self.bench.geometry.edge_length(e)).sum();
             listed.push((length > 0.0).then(|| {
                 let factor = smaller / length;
-                Way { edges, factor, rank: (GROUND * factor).to_bits(), has_waited: false, offer: None }
+                Way {
+                    edges,
+                    factor,
+                    rank: (GROUND * factor).to_bits(),
+                    has_waited: false,
+                    offer: None,
+                }
             }));
         }
         for (i, way) in listed.iter().enumerate() {
@@ -453,10 +460,11 @@ impl MergeFlow {
             _ => 0,
         };
         let wanted = Limits { enough, ..self.limits() };
-        let failure = match self.flatten_once(key, &faces, &Limits { wants_darts: count > 0, ..wanted }) {
-            Ok(map) => return Ok((map, Vec::new())),
-            Err(failure) => failure,
-        };
+        let failure =
+            match self.flatten_once(key, &faces, &Limits { wants_darts: count > 0, ..wanted }) {
+                Ok(map) => return Ok((map, Vec::new())),
+                Err(failure) => failure,
+            };
         // What darts lead to is not postponed: the boundary without them says nothing about it.
         let wanted = Limits { enough: f64::INFINITY, ..wanted };
         let first_darts = failure.darts;
@@ -491,7 +499,12 @@ impl MergeFlow {
     }
 
     /// One trial, unless it is known to fail.
-    fn flatten_once(&mut self, key: u128, faces: &[FaceId], limits: &Limits) -> Result<Map, Failure> {
+    fn flatten_once(
+        &mut self,
+        key: u128,
+        faces: &[FaceId],
+        limits: &Limits,
+    ) -> Result<Map, Failure> {
         if let Some(reject) = self.rejected.get(&key).filter(|reject| limits.still_reject(reject)) {
             return Err((*reject).into());
         }
@@ -644,8 +657,11 @@ impl MergeFlow {
         while self.bench.trials < before + self.params.trials_per_step {
             let mut next: Option<(f64, u32, [u32; 2])> = None;
             for (&pair, curves) in &self.between {
-                let area: f64 =
-                    pair.iter().filter_map(|&p| self.members[p as usize].as_ref()).map(|m| m.area).sum();
+                let area: f64 = pair
+                    .iter()
+                    .filter_map(|&p| self.members[p as usize].as_ref())
+                    .map(|m| m.area)
+                    .sum();
                 for &c in curves.iter().filter(|c| self.unseen.contains(c)) {
                     if next.is_none_or(|(a, i, _)| area > a || (area >= a && c < i)) {
                         next = Some((area, c, pair));

@@ -18,9 +18,10 @@ impl Mirror {
     pub fn new(mesh: &Mesh, vertices: &[VertexId]) -> Result<Self, SolveError> {
         let count = mesh.vertex_count();
         let is_involution = vertices.len() == count
-            && vertices.iter().enumerate().all(|(v, w)| {
-                vertices.get(w.index()).is_some_and(|back| back.index() == v)
-            });
+            && vertices
+                .iter()
+                .enumerate()
+                .all(|(v, w)| vertices.get(w.index()).is_some_and(|back| back.index() == v));
         if !is_involution {
             return Err(SolveError::NotSymmetric);
         }

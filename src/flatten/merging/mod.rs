@@ -13,6 +13,7 @@
 
 mod finish;
 mod flow;
+mod gate;
 mod mirror;
 mod network;
 mod params;
@@ -21,6 +22,7 @@ mod state;
 mod trial;
 
 pub use flow::{MergeFlow, ParamsChange};
+pub use gate::ChartGate;
 pub use params::{AreaMeasure, MergeParams, MergeStrategy, MergeWishes};
 pub use state::{MergePhase, MergeState, PatchInfo};
 pub use trial::Reject;

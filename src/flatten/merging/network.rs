@@ -78,9 +78,11 @@ pub fn curves(mesh: &Mesh, geometry: &Geometry, charts: &[u32]) -> Vec<Curve> {
     let mut found: BTreeMap<u32, Curve> = BTreeMap::new();
     for e in mesh.edges() {
         let Some(charts) = pairs[e.index()] else { continue };
-        let curve = found
-            .entry(root(&mut roots, e.0))
-            .or_insert_with(|| Curve { charts, edges: Vec::new(), length: 0.0 });
+        let curve = found.entry(root(&mut roots, e.0)).or_insert_with(|| Curve {
+            charts,
+            edges: Vec::new(),
+            length: 0.0,
+        });
         curve.edges.push(e);
         curve.length += geometry.edge_length(e);
     }

@@ -57,16 +57,14 @@ pub fn bisect(
     let neighbours: Vec<[Option<u32>; 3]> = faces
         .iter()
         .map(|&f| {
-            mesh.face_halfedges(f)
-                .map(|h| mesh.face(h.twin()).and_then(|g| local.get(&g).copied()))
+            mesh.face_halfedges(f).map(|h| mesh.face(h.twin()).and_then(|g| local.get(&g).copied()))
         })
         .collect();
     let normal = |i: usize| normals[faces[i].index()];
     let error = |i: usize, proxy: &Vector3<f64>| {
         areas[faces[i].index()] * (normal(i) - proxy).norm_squared()
     };
-    let mean: Vector3<f64> =
-        (0..faces.len()).map(|i| normal(i) * areas[faces[i].index()]).sum();
+    let mean: Vector3<f64> = (0..faces.len()).map(|i| normal(i) * areas[faces[i].index()]).sum();
     let farthest = |from: &Vector3<f64>, but: usize| {
         let mut best = (f64::NEG_INFINITY, 0);
         for i in (0..faces.len()).filter(|&i| i != but) {

@@ -265,7 +265,9 @@ impl Bench {
         let mut measures = system.measure(&places);
         let mut change = limits.area_of(&measures);
         // Steps towards true lengths bring the absolute change down by a tenth or two, never by so much.
-        if limits.rigid_steps > 0 && change <= limits.area * if limits.wants_darts { DART_HOPE } else { STEPS_HOPE } {
+        if limits.rigid_steps > 0
+            && change <= limits.area * if limits.wants_darts { DART_HOPE } else { STEPS_HOPE }
+        {
             self.counts[1] += 1;
             system.refine(&mut places, limits.rigid_steps);
             measures = system.measure(&places);

@@ -264,7 +264,7 @@ impl RefineFlow {
         let limit = self.params.tolerance * self.total_area;
         (0..2).all(|i| {
             self.is_connected(pair[i], &faces[i])
-                && (limit == f64::INFINITY || self.error(&faces[i]) <= limit.max(before[i]))
+                && (limit.is_infinite() || self.error(&faces[i]) <= limit.max(before[i]))
         })
     }
 
