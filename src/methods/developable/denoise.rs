@@ -86,7 +86,9 @@ impl DenoiseFlow {
             let h = e.halfedge();
             let (Some(f), Some(g)) = (mesh.face(h), mesh.face(h.twin())) else { continue };
             if chart(f) != chart(g) {
-                mesh.edge_vertices(e).map(|v| is_on_seam[v.index()] = true);
+                for v in mesh.edge_vertices(e) {
+                    is_on_seam[v.index()] = true;
+                }
             }
         }
         let vertices = mesh.vertices().filter(|v| is_on_seam[v.index()]).collect();

@@ -104,7 +104,7 @@ fn the_seam_is_the_cheapest_of_all() {
 fn rings(mesh: &Mesh, labels: &[u32]) -> Vec<u32> {
     let mut vertices = vec![u32::MAX; mesh.vertex_count()];
     for e in seams(mesh, labels) {
-        mesh.edge_vertices(e).map(|v| vertices[v.index()] = 0);
+        mesh.edge_vertices(e).iter().for_each(|v| vertices[v.index()] = 0);
     }
     let mut faces = vec![u32::MAX; mesh.face_count()];
     for number in 1..20 {

@@ -26,9 +26,7 @@ pub(super) struct Scratch {
 pub(super) struct Moved {
     /// Faces that change sides.
     pub faces: Vec<FaceId>,
-    /// Cost of the old seam within the band, and of the new one.
-    pub costs: [f64; 2],
-    /// Their lengths.
+    /// Length of the old seam within the band, and of the new one.
     pub lengths: [f64; 2],
 }
 
@@ -131,11 +129,8 @@ impl Scratch {
             .filter(|&i| is_first[i] != (charts[band[i].index()] == pair[0]))
             .map(|i| band[i])
             .collect();
-        (!faces.is_empty() && costs[1] < costs[0] * (1.0 - GAIN)).then_some(Moved {
-            faces,
-            costs,
-            lengths,
-        })
+        (!faces.is_empty() && costs[1] < costs[0] * (1.0 - GAIN))
+            .then_some(Moved { faces, lengths })
     }
 
     /// The faces within some rings of the seam of a pair, each chart's innermost ring excepted.

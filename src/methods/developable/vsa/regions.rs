@@ -8,7 +8,6 @@ use nalgebra::Vector3;
 use super::params::{VsaChart, VsaState};
 use crate::geometry::Geometry;
 use crate::mesh::{FaceId, Mesh};
-use crate::methods::developable::small;
 
 /// No chart, no neighbour.
 pub(super) const NONE: u32 = u32::MAX;
