@@ -15,10 +15,6 @@ use crate::surfaces::{Surface, grid};
 
 /// A cube of side 1, each face divided into n × n squares, cut along five edges that make an H.
 fn cube(n: u32) -> Sheet {
-    cube_with(n, 0)
-}
-
-fn cube_with(n: u32, style: u32) -> Sheet {
     let mut numbers: BTreeMap<[u32; 3], u32> = BTreeMap::new();
     let mut points = Vec::new();
     let mut number = |p: [u32; 3]| {
@@ -40,16 +36,9 @@ fn cube_with(n: u32, style: u32) -> Sheet {
                         number(p)
                     };
                     let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                    let rising = match style {
-                        0 => true,
-                        1 => false,
-                        2 => (i + j) % 2 == 0,
-                        3 => side == 0,
-                        4 => side == n,
-                        _ => (i + j) % 2 == 1,
-                    };
+                    // Diagonals as the notes' L² has them; the other figures hardly depend on them.
                     let mut pair =
-                        if rising { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+                        if side == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
                     if side == 0 {
                         pair.iter_mut().for_each(|t| t.swap(1, 2));
                     }
@@ -153,23 +142,18 @@ fn developable_patches_keep_all_lengths() {
 
 #[test]
 fn a_cube_cut_like_an_h_is_distorted_as_the_notes_say() {
-    for style in 0..6 {
-        let (_, _, m) = flatten(&cube_with(8, style));
-        eprintln!("style {style}: {:.5} {:.5}", m.totals.area_change_abs, m.totals.l2_stretch);
-    }
     let sheet = cube(8);
     assert_eq!(sheet.opened.mesh.vertex_count(), 425);
     assert_eq!(sheet.opened.mesh.face_count(), 768);
     let (_, report, measures) = flatten(&sheet);
     let chart = measures.charts[0].as_ref().unwrap();
-    eprintln!("{report:?} {chart:?}");
     assert_eq!(report.sides, 80);
     let boundary = report.boundary.unwrap();
     assert!((boundary.angle_error - PI / 80.0).abs() < 1e-6, "{boundary:?}");
     // To the digits that the notes give.
     assert!((chart.area_change.abs() - 0.50851).abs() < 5e-6, "{}", chart.area_change);
     assert!((chart.area_change_abs - 0.5100).abs() < 5e-5, "{}", chart.area_change_abs);
-    assert!((chart.l2_stretch - 1.8792).abs() < 0.01, "{}", chart.l2_stretch);
+    assert!((chart.l2_stretch - 1.8792).abs() < 5e-5, "{}", chart.l2_stretch);
 }
 
 /// A cylinder of radius 1, slit, with twelve vertices pulled out by .15.

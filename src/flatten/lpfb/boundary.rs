@@ -143,11 +143,16 @@ impl BoundarySolver {
 
     /// Iterates until the angles stand still. **Costs** O(n) for each loop and iteration.
     pub fn solve(&mut self) -> BoundaryOutcome {
+        self.solve_within(ITERATIONS)
+    }
+
+    /// [`BoundarySolver::solve`] with so many iterations at most, for those who only want what is easy to close.
+    pub fn solve_within(&mut self, iterations: usize) -> BoundaryOutcome {
         if self.outcome.status != Status::Running {
             return self.outcome;
         }
         let (mut grown, mut penalty, mut before) = (0, 0.0f64, f64::INFINITY);
-        while self.outcome.iterations < ITERATIONS {
+        while self.outcome.iterations < iterations {
             self.outcome.iterations += 1;
             self.linearise();
             if !self.factor_loop_rows() {

@@ -90,7 +90,7 @@ pub fn lpfb_with(
             None => Err(not_a_disk(&patch)),
             Some(outline) => {
                 report.virtual_edges = outline.problem.cuts.len();
-                let (outcome, rim) = solve_boundary(outline, patch.vertices.len());
+                let (outcome, rim) = solve_boundary(outline, patch.vertices.len(), None);
                 report.boundary = Some(outcome);
                 if outcome.status == Status::Infeasible {
                     Err(NoChart::NotConverged { angle_error: outcome.angle_error })
@@ -136,9 +136,18 @@ fn not_a_disk(patch: &Patch) -> NoChart {
 }
 
 /// Solves for the outline of a patch. **Gives** places of all its vertices, those off the rim and off virtual cuts NaN.
-pub fn solve_boundary(outline: &Outline, vertices: usize) -> (BoundaryOutcome, Vec<Point2<f64>>) {
+///
+/// **Takes** the most iterations; none for as many as it takes.
+pub fn solve_boundary(
+    outline: &Outline,
+    vertices: usize,
+    iterations: Option<usize>,
+) -> (BoundaryOutcome, Vec<Point2<f64>>) {
     let mut solver = BoundarySolver::new(&outline.problem);
-    let outcome = solver.solve();
+    let outcome = match iterations {
+        Some(most) => solver.solve_within(most),
+        None => solver.solve(),
+    };
     let mut places = vec![Point2::new(f64::NAN, f64::NAN); vertices];
     for (&v, place) in outline.vertices.iter().zip(solver.places()) {
         // Vertices of virtual cuts are met twice, to rounding at the same place: the first counts.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::mirror::Mirror;
 use super::network::{Curve, connected_charts, curves};
-use super::params::{AreaMeasure, MergeParams, MergeStrategy, MergeWishes};
+use super::params::{MergeParams, MergeStrategy, MergeWishes};
 use super::split::bisect;
 use super::state::{MergePhase, MergeState, PatchInfo};
 use super::trial::{Bench, Failure, Limits, Map, Reject};
@@ -55,7 +55,7 @@ struct Offer {
 
 /// A way to merge a pair: the seam that goes, and what is known of it.
 #[derive(Clone)]
-struct Way {
+pub(super) struct Way {
     edges: Vec<EdgeId>,
     /// What A_abs + .01 is multiplied with to make its key.
     factor: f64,
@@ -64,6 +64,15 @@ struct Way {
     /// Whether it has waited once already.
     has_waited: bool,
     offer: Option<Offer>,
+}
+
+/// What a few trials led to.
+pub(super) enum Advance {
+    Merged,
+    /// Trials are left.
+    Busy,
+    /// Nothing is left that passes.
+    Nothing,
 }
 
 /// What became of a trial.
@@ -90,18 +99,25 @@ pub struct MergeFlow {
     pub(super) curves: Vec<Curve>,
     pub(super) members: Vec<Option<Member>>,
     /// Curves between patches that are still there.
-    between: BTreeMap<[u32; 2], Vec<u32>>,
+    pub(super) between: BTreeMap<[u32; 2], Vec<u32>>,
     /// Ways to merge each pair.
-    ways: BTreeMap<[u32; 2], Vec<Option<Way>>>,
+    pub(super) ways: BTreeMap<[u32; 2], Vec<Option<Way>>>,
     /// All ways by rank.
-    queue: BTreeSet<(u64, [u32; 2], u32)>,
+    pub(super) queue: BTreeSet<(u64, [u32; 2], u32)>,
     /// Pairs whose ways have yet to be listed.
-    pending: BTreeSet<[u32; 2]>,
+    pub(super) pending: BTreeSet<[u32; 2]>,
     /// Curves that the paper's strategy has yet to look at.
     unseen: BTreeSet<u32>,
     rejected: BTreeMap<u128, Reject>,
-    mirror: Option<Mirror>,
-    member_of_chart: Vec<u32>,
+    pub(super) mirror: Option<Mirror>,
+    pub(super) member_of_chart: Vec<u32>,
+    /// Charts as they were to begin with.
+    pub(super) charts: Vec<Member>,
+    /// Patches that may yet be dissolved in this round of improvements, last first, and rounds begun.
+    pub(super) to_dissolve: Vec<u32>,
+    pub(super) rounds: usize,
+    /// Charts that may not be merged with each other for now.
+    pub(super) loose: BTreeSet<u32>,
     pub(super) next_zip: usize,
     pub(super) state: MergeState,
     pub(super) step: usize,
@@ -145,6 +161,10 @@ impl MergeFlow {
             rejected: BTreeMap::new(),
             mirror: None,
             member_of_chart: Vec::new(),
+            charts: Vec::new(),
+            to_dissolve: Vec::new(),
+            rounds: 0,
+            loose: BTreeSet::new(),
             next_zip: 0,
             state: MergeState::default(),
             step: 0,
@@ -210,6 +230,9 @@ impl MergeFlow {
                 })
             })
             .collect();
+        self.charts = self.members.iter().flatten().cloned().collect();
+        self.rounds = 0;
+        self.loose.clear();
         self.between.clear();
         self.ways.clear();
         self.queue.clear();
@@ -231,10 +254,8 @@ impl MergeFlow {
     fn split_charts(&mut self) -> Vec<(Vec<FaceId>, Option<Map>)> {
         let (mesh, geometry) = (self.bench.mesh.clone(), self.bench.geometry.clone());
         let normals = geometry.face_normals(&mesh);
-        let limits = Limits {
-            area: self.params.split_limit.min(self.params.area_limit),
-            ..Limits::of(&self.params)
-        };
+        let limits =
+            Limits { area: self.params.split_limit.min(self.params.area_limit), ..self.limits() };
         let mut groups: Vec<Vec<FaceId>> = vec![Vec::new(); self.chart_labels.len()];
         for f in mesh.faces() {
             groups[self.face_charts[f.index()] as usize].push(f);
@@ -282,7 +303,8 @@ impl MergeFlow {
             let mut removed = self.bench.remove(&edges);
             self.bench.zip(&mut removed);
             let faces = self.joined_faces(pair);
-            let limits = Limits::none(&self.params);
+            let limits =
+                Limits { rigid_steps: self.limits().rigid_steps, ..Limits::none(&self.params) };
             let Ok(map) = self.bench.flatten(&faces, &limits) else {
                 removed.iter().for_each(|&e| self.bench.set_cut(e, true));
                 break;
@@ -309,11 +331,6 @@ impl MergeFlow {
     /// Options in force.
     pub fn params(&self) -> &MergeParams {
         &self.params
-    }
-
-    /// KNOBS
-    pub fn counts(&self) -> [usize; 4] {
-        self.bench.counts
     }
 
     /// How it stands.
@@ -348,6 +365,7 @@ impl MergeFlow {
             self.pending = self.between.keys().copied().collect();
             self.unseen = self.between.values().flatten().copied().collect();
             self.next_zip = 0;
+            self.rounds = 0;
             self.state.phase = MergePhase::Merging;
             self.status = Status::Running;
             return Ok(ParamsChange::Continued);
@@ -374,7 +392,10 @@ impl MergeFlow {
             (p.labels.contains(a) && q.labels.contains(b))
                 || (p.labels.contains(b) && q.labels.contains(a))
         });
-        !is_apart && p.area + q.area <= self.params.max_patch_area * self.total_area * (1.0 + 1e-12)
+        let is_loose = |m: &Member| m.charts.len() == 1 && self.loose.contains(&m.charts[0]);
+        !is_apart
+            && !(is_loose(p) && is_loose(q))
+            && p.area + q.area <= self.params.max_patch_area * self.total_area * (1.0 + 1e-12)
     }
 
     /// Lists the ways to merge a pair: all its curves at once, and each alone.
@@ -455,10 +476,7 @@ impl MergeFlow {
         for member in pair.iter().filter_map(|&p| self.members[p as usize].as_ref()) {
             key ^= member.hash;
         }
-        let count = match self.params.measure {
-            AreaMeasure::Absolute if allows_darts => self.params.darts,
-            _ => 0,
-        };
+        let count = if allows_darts { self.params.darts } else { 0 };
         let wanted = Limits { enough, ..self.limits() };
         let failure =
             match self.flatten_once(key, &faces, &Limits { wants_darts: count > 0, ..wanted }) {
@@ -611,21 +629,31 @@ impl MergeFlow {
     ///
     /// Ways wait in one queue, those that were tried by their key, others by a lower bound of it. What comes first and was tried is the best there is.
     fn best_first_step(&mut self) {
+        match self.advance(self.params.trials_per_step) {
+            Advance::Merged => self.picture(),
+            Advance::Busy => {}
+            Advance::Nothing => {
+                self.state.phase = MergePhase::Improving;
+                self.begin_round();
+            }
+        }
+    }
+
+    /// Trials until there were so many or the best merge is done.
+    pub(super) fn advance(&mut self, trials: usize) -> Advance {
         while let Some(pair) = self.pending.pop_first() {
             self.list_ways(pair);
         }
         let before = self.bench.trials;
-        while self.bench.trials < before + self.params.trials_per_step {
+        while self.bench.trials < before + trials {
             let Some((_, pair, index)) = self.queue.pop_first() else {
-                self.state.phase = MergePhase::Zipping;
-                return;
+                return Advance::Nothing;
             };
             let slot = self.ways.get_mut(&pair).and_then(|ways| ways[index as usize].take());
             let Some(mut way) = slot else { continue };
             if let Some(offer) = way.offer {
                 if self.merge_images(pair, &way.edges, offer) {
-                    self.picture();
-                    return;
+                    return Advance::Merged;
                 }
                 continue;
             }
@@ -649,6 +677,7 @@ impl MergeFlow {
                 ways[index as usize] = Some(way);
             }
         }
+        Advance::Busy
     }
 
     /// The paper's: curves by the area on both sides, largest first, each once.
@@ -786,6 +815,7 @@ impl Flow for MergeFlow {
                 MergeStrategy::BestFirst => self.best_first_step(),
                 MergeStrategy::Paper => self.paper_step(),
             },
+            MergePhase::Improving => self.improve_step(),
             MergePhase::Zipping => self.zip_step(),
             MergePhase::Checking => {
                 self.check()?;

@@ -14,6 +14,7 @@
 mod finish;
 mod flow;
 mod gate;
+mod improve;
 mod mirror;
 mod network;
 mod params;

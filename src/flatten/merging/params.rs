@@ -34,7 +34,7 @@ pub struct MergeParams {
     pub area_limit: f64,
     /// Largest raw L² stretch of a patch.
     pub l2_limit: f64,
-    /// Darts that one merge may cut where the change of area is too large; with [`AreaMeasure::Absolute`] only.
+    /// Darts that one merge may cut where the change of area is too large; best first only.
     pub darts: usize,
     /// Largest patch, as a fraction of the surface's area.
     pub max_patch_area: f64,
@@ -42,6 +42,9 @@ pub struct MergeParams {
     pub rigid_steps: usize,
     /// Charts to begin with are split until their change of area is at most this.
     pub split_limit: f64,
+    /// Rounds of improvements once nothing more can be merged: each dissolves every patch once, gives its charts to others, and keeps what has fewer patches or
+    /// less seam.
+    pub improvements: usize,
     /// Trials that one step makes at most, some more where a pair of patches shares many curves.
     pub trials_per_step: usize,
 }
@@ -57,6 +60,7 @@ impl Default for MergeParams {
             max_patch_area: 1.0,
             rigid_steps: 3,
             split_limit: 0.05,
+            improvements: 1,
             trials_per_step: 32,
         }
     }
@@ -71,6 +75,7 @@ impl MergeParams {
         SolveError::within("largest patch", self.max_patch_area, 0.0, 1.0)?;
         SolveError::within("rigid steps", self.rigid_steps as f64, 0.0, 100.0)?;
         SolveError::within("split limit", self.split_limit, 0.0, 1.0)?;
+        SolveError::within("rounds of improvements", self.improvements as f64, 0.0, 100.0)?;
         SolveError::within("trials in a step", self.trials_per_step as f64, 1.0, 1e6)
     }
 
@@ -81,6 +86,7 @@ impl MergeParams {
             l2_limit: other.l2_limit,
             darts: other.darts,
             max_patch_area: other.max_patch_area,
+            improvements: other.improvements,
             trials_per_step: other.trials_per_step,
             ..*self
         };
@@ -88,6 +94,7 @@ impl MergeParams {
             && self.area_limit >= other.area_limit
             && self.l2_limit >= other.l2_limit
             && self.darts >= other.darts
+            && self.improvements >= other.improvements
             && self.max_patch_area >= other.max_patch_area
     }
 }

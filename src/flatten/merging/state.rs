@@ -8,6 +8,8 @@ pub enum MergePhase {
     /// Merges patches.
     #[default]
     Merging,
+    /// Dissolves single patches and gives their charts to others.
+    Improving,
     /// Removes cuts inside patches that are not needed.
     Zipping,
     /// Flattens all patches anew.

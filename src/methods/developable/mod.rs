@@ -16,7 +16,7 @@ mod vsa;
 pub use curves::{SeamCurve, SeamMeasure, connected_charts, seam_curves};
 pub use denoise::{DenoiseFlow, DenoiseParams, DenoiseState};
 pub use refine::{RefineCheckpoint, RefineFlow, RefineParams, RefineState};
-pub use vsa::{VsaChart, VsaCheckpoint, VsaFlow, VsaParams, VsaPhase, VsaState};
+pub use vsa::{VsaChart, VsaCheckpoint, VsaFlow, VsaParams, VsaPhase, VsaState, start_faces};
 
 /// An index as a `u32`: meshes number fewer elements than that.
 #[expect(clippy::cast_possible_truncation, reason = "Mesh::new refuses larger meshes")]

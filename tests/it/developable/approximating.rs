@@ -221,6 +221,23 @@ fn scale_and_place_do_not_matter() {
 }
 
 #[test]
+fn starts_are_different_faces_far_apart() {
+    let (mesh, geometry) = fine_cube(4);
+    let starts = start_faces(&mesh, &geometry, FaceId(5), 6);
+    assert_eq!((starts.len(), starts[0]), (6, FaceId(5)));
+    let centre = |f: FaceId| {
+        let corners = mesh.face_vertices(f).map(|v| geometry.positions[v.index()].coords);
+        (corners[0] + corners[1] + corners[2]) / 3.0
+    };
+    for (i, &f) in starts.iter().enumerate() {
+        // Six points on a cube of side 4 can be farther apart than half a side.
+        assert!(starts[..i].iter().all(|&g| (centre(f) - centre(g)).norm() > 2.0));
+    }
+    assert_eq!(start_faces(&mesh, &geometry, FaceId(0), 1000).len(), mesh.face_count());
+    assert!(start_faces(&mesh, &geometry, FaceId(9999), 3).is_empty());
+}
+
+#[test]
 fn what_is_out_of_range_is_refused() {
     let (mesh, geometry) = shape(Surface::from_soup("cylinder", &cylinder(12, 3)));
     let new = |params| VsaFlow::new(mesh.clone(), geometry.clone(), params).err();

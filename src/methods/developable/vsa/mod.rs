@@ -14,6 +14,7 @@
 
 mod params;
 mod regions;
+mod starts;
 
 use std::sync::Arc;
 
@@ -24,6 +25,7 @@ use crate::methods::developable::small;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 pub use params::{VsaChart, VsaParams, VsaPhase, VsaState};
 use regions::{Faces, NONE};
+pub use starts::start_faces;
 
 /// Floods in the end must lower the error by this fraction to count: less is rounding.
 const GAIN: f64 = 1e-12;
