@@ -10,7 +10,7 @@
 //! | 0 | [`linalg`] | sparse symmetric systems: analyse once, factor often, solve often. Names the linear-algebra crate |
 //! | 0 | [`mesh`] | connectivity, refinement along cuts, opening, reading mesh bytes ([`mesh::read`]), what is wrong with a mesh ([`mesh::doctor`]). Knows no metric |
 //! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance, nearest points, visibility, symmetries, intrinsic flips, [`geometry::doctor`] |
-//! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cones`] \[MAD\], [`methods::phasefield`] \[PF\], [`methods::cutgraph`] (disks, seams through cones), [`methods::straighten`] (outlines without zigzag, cuts along mesh edges), [`methods::prepare`] (finer, more even, lighter meshes) |
+//! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cones`] \[MAD\], [`methods::phasefield`] \[PF\], [`methods::developable`] (charts that are nearly flat \[LPFB\]), [`methods::cutgraph`] (disks, seams through cones), [`methods::straighten`] (outlines without zigzag, cuts along mesh edges), [`methods::prepare`] (finer, more even, lighter meshes) |
 //! | 3 | [`flatten`] | patch → chart: BFF with isometric, scaled or chosen rims, conformal equivalence, LSCM, DCP, ABF++, fixed rims, isometric refinement; measures, overlaps, splitting, packing; charts → the surface that they make ([`flatten::fold`]) |
 //! | 4 | [`pattern`] | chart → piece in millimetres: seams, sheet, bytes of SVG, OBJ, JSON |
 //! | 5 | [`session`] | commands in, events out: documents, parameters, undo, scenes, reports. The only serde |
@@ -49,7 +49,8 @@
 //!
 //! \[VSC\] Sharp, Crane: *Variational Surface Cutting*, 2018 · \[BFF\] Sawhney, Crane: *Boundary First Flattening*, 2017 ·
 //! \[EW05\] Erickson, Whittlesey: *Greedy Optimal Homotopy and Homology Generators*, 2005 · \[KS98\] Kimmel, Sethian:
-//! *Computing Geodesic Paths on Manifolds*, 1998 · \[PF\] Meny, Rumpf, Sassen: *A Phase-field Approach to Variational Hierarchical Surface Segmentation*, 2021 · \[MAD\] Soliman, Slepčev, Crane: *Optimal Cone Singularities for Conformal Flattening*, 2018 · \[SSGH01\] Sander et al.: *Texture Mapping Progressive Meshes*, 2001.
+//! *Computing Geodesic Paths on Manifolds*, 1998 · \[PF\] Meny, Rumpf, Sassen: *A Phase-field Approach to Variational Hierarchical Surface Segmentation*, 2021 · \[MAD\] Soliman, Slepčev, Crane: *Optimal Cone Singularities for Conformal Flattening*, 2018 · \[SSGH01\] Sander et al.: *Texture Mapping Progressive Meshes*, 2001 · \[CAD04\] Cohen-Steiner, Alliez, Desbrun: *Variational Shape
+//! Approximation*, 2004 · \[KT03\] Katz, Tal: *Hierarchical Mesh Decomposition using Fuzzy Clustering and Cuts*, 2003.
 
 pub mod flatten;
 pub mod geometry;

@@ -8,14 +8,14 @@
 /// No neighbour, not reached.
 const NONE: u32 = u32::MAX;
 
-/// Faces and their sides are numbered in 32 bits.
-#[expect(clippy::cast_possible_truncation, reason = "`Mesh::new` refuses larger meshes")]
-fn number(i: usize) -> u32 {
-    i as u32
+/// An index as a `u32`: meshes number fewer elements than that.
+#[expect(clippy::cast_possible_truncation, reason = "Mesh::new refuses larger meshes")]
+fn small(index: usize) -> u32 {
+    index as u32
 }
 
 /// A graph of faces with at most three neighbours each.
-pub struct Network {
+pub(crate) struct Network {
     /// For each node its arcs; arc 2 k and arc 2 k + 1 are the two directions of edge k.
     arcs: Vec<[u32; 3]>,
     /// Where each arc leads to.
@@ -31,7 +31,7 @@ pub struct Network {
 }
 
 impl Network {
-    /// Nodes without edges.
+    /// So many nodes without edges.
     pub fn new(nodes: usize) -> Self {
         Self {
             arcs: vec![[NONE; 3]; nodes],
@@ -46,7 +46,7 @@ impl Network {
     /// Joins two nodes, each of which has two edges at most so far.
     pub fn join(&mut self, a: u32, b: u32, capacity: u64) {
         for (from, to) in [(a, b), (b, a)] {
-            let arc = number(self.heads.len());
+            let arc = small(self.heads.len());
             self.heads.push(to);
             self.room.push(capacity);
             if let Some(slot) = self.arcs[from as usize].iter_mut().find(|slot| **slot == NONE) {
@@ -85,7 +85,7 @@ impl Network {
     /// Distances to the sinks, before anything flows: arcs have room both ways or not at all.
     fn measure(&mut self, sinks: &[u32]) {
         let nodes = self.arcs.len();
-        self.distances = vec![number(nodes); nodes];
+        self.distances = vec![small(nodes); nodes];
         for &t in sinks {
             self.distances[t as usize] = 0;
         }
@@ -110,7 +110,7 @@ impl Network {
 
     /// Sends as much from a source to the sinks as there is room for.
     fn send(&mut self, source: u32) {
-        let nodes = number(self.arcs.len());
+        let nodes = small(self.arcs.len());
         let mut path: Vec<u32> = Vec::new();
         let mut node = source;
         while self.distances[source as usize] < nodes {

@@ -7,7 +7,7 @@ pub mod cutflow;
 pub mod cutgraph;
 pub mod developable;
 pub mod flow;
-pub mod maxflow;
+pub(crate) mod maxflow;
 pub mod phasefield;
 pub mod prepare;
 pub mod straighten;

@@ -17,6 +17,7 @@ mod cones;
 mod conformal;
 mod cutgraphs;
 mod cutting;
+mod developable;
 mod doctoring;
 mod exported;
 mod flattening;

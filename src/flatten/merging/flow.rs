@@ -88,6 +88,7 @@ enum Tried {
 /// **Minimises** the number of patches, greedily, under limits on the distortion of each. **Step** some trials, or one accepted merge; then one patch zipped; then the check.
 /// The number of patches never rises; the length of seams may, where darts are cut. **Ends** `Converged` when nothing that is left passes and the
 /// patches have been flattened anew.
+#[derive(Clone)]
 pub struct MergeFlow {
     pub(super) params: MergeParams,
     pub(super) wishes: MergeWishes,

@@ -13,17 +13,17 @@
 
 mod finish;
 mod flow;
+mod gate;
 mod improve;
 mod mirror;
 mod network;
 mod params;
 mod split;
 mod state;
-mod tighten;
 mod trial;
 
 pub use flow::{MergeFlow, ParamsChange};
+pub use gate::ChartGate;
 pub use params::{AreaMeasure, MergeParams, MergeStrategy, MergeWishes};
 pub use state::{MergePhase, MergeState, PatchInfo};
-pub use tighten::{TightenCheckpoint, TightenFlow, TightenState};
 pub use trial::Reject;

@@ -121,6 +121,7 @@ pub struct Map {
 }
 
 /// Why there is no map, and the darts of which one may help: from the vertex of the largest angle defect, and from the most compressed one.
+#[derive(Clone)]
 pub struct Failure {
     pub reject: Reject,
     pub darts: [Option<Vec<EdgeId>>; 2],
@@ -133,6 +134,7 @@ impl From<Reject> for Failure {
 }
 
 /// The surface, and memory for trials.
+#[derive(Clone)]
 pub struct Bench {
     pub mesh: Arc<Mesh>,
     pub geometry: Arc<Geometry>,

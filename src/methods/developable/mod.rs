@@ -1,15 +1,25 @@
-//! First pieces for quasi-developable patches [LPFB]: regions of nearly one normal, with borders along creases.
+//! Nearly flat charts: the first three stages of quasi-developable segmentation \[LPFB\].
 //!
-//! [`VsaFlow`] parts a surface into charts that are as flat as a tolerance asks, [`tighten`] moves the border of two charts by a least cut, and
-//! [`smoothed`] takes the zigzag out of all borders on a copy of the surface. What charts are worth in the plane is the business of
-//! [`crate::flatten::merging`], which merges them.
+//! Wanted is a partition of the faces into few connected charts each of which deviates from a plane by little, with seams that run
+//! well. [`VsaFlow`] grows charts about planes until each one's error is within a tolerance; [`RefineFlow`] moves the seam between two charts
+//! to where a cut is cheapest; [`DenoiseFlow`] takes noise out of the seams' vertices. Merging the charts into patches that flatten is
+//! a matter of the floor above. [`seam_curves`] says how charts lie beside each other.
 //!
-//! Guaranteed: every face has a chart, and every chart hangs together, at any moment. Not guaranteed: that charts are disks.
+//! Guaranteed: at any moment every face has a chart, charts are connected and numbered from 0 without gaps; the same input gives the same
+//! charts. Not guaranteed: that charts are disks, or the fewest of them.
 
-mod smooth;
-mod tighten;
+mod curves;
+mod denoise;
+mod refine;
 mod vsa;
 
-pub use smooth::{SmoothParams, smoothed};
-pub use tighten::{TightenParams, tighten};
-pub use vsa::{VsaCheckpoint, VsaFlow, VsaParams, VsaPhase, VsaState};
+pub use curves::{SeamCurve, SeamMeasure, connected_charts, seam_curves};
+pub use denoise::{DenoiseFlow, DenoiseParams, DenoiseState};
+pub use refine::{RefineCheckpoint, RefineFlow, RefineParams, RefineState};
+pub use vsa::{VsaChart, VsaCheckpoint, VsaFlow, VsaParams, VsaPhase, VsaState, start_faces};
+
+/// An index as a `u32`: meshes number fewer elements than that.
+#[expect(clippy::cast_possible_truncation, reason = "Mesh::new refuses larger meshes")]
+fn small(index: usize) -> u32 {
+    index as u32
+}

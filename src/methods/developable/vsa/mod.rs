@@ -1,160 +1,101 @@
-//! Error-controlled variational shape approximation: as few regions of nearly one normal as a tolerance allows.
+//! Variational shape approximation with a bound on the error of every chart \[CAD04\].
 //!
-//! A region i with faces T of areas a and unit normals n has the proxy N = S/|S|, S = Σ a n, and the error E = Σ a |n − N|² = 2 (Σ a − |S|).
+//! Let chart i have faces of areas a and unit normals n. Its *proxy* is the direction N that its faces fit best, its error
+//! E = Σ a |n − N|² (the metric L^{2,1}), least for N = Σ a n / |Σ a n|, where it is 2 (Σ a − |Σ a n|). Looked for are few connected charts
+//! with E ≤ ε A each, A the surface's area. From one chart on, the worst face of the worst chart begins a new one, which takes faces
+//! from its neighbours by *flooding*: faces join one by one the chart beside them that they fit best. From time to time the pair of charts that costs
+//! least is joined and its plane used where the error is largest (a *teleport*); in the end all charts are flooded together.
+//!
+//! Only a new chart and those about the one that it came from are flooded; charts farther away would hardly change, and the time of an insertion is
+//! that of its neighbourhood.
+//!
+//! Guaranteed: every face has a chart, every chart is connected and has faces, at any moment; the error falls from step to
+//! step while charts are added, and E ≤ ε A in the end unless there are as many charts as allowed. Not guaranteed: the fewest charts.
 
-mod flood;
+mod params;
 mod regions;
+mod starts;
 
 use std::sync::Arc;
 
-use flood::Flood;
-use regions::Regions;
-
+use super::connected_charts;
 use crate::geometry::Geometry;
 use crate::mesh::{FaceId, Mesh};
+use crate::methods::developable::small;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
+pub use params::{VsaChart, VsaParams, VsaPhase, VsaState};
+use regions::{Faces, NONE};
+pub use starts::start_faces;
 
-/// Regions that one step merges at most, where a higher tolerance asks for fewer.
-const MERGES: usize = 8;
+/// Floods in the end must lower the error by this fraction to count: less is rounding.
+const GAIN: f64 = 1e-12;
 
-/// Options of a [`VsaFlow`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VsaParams {
-    /// Largest error of a region, as a fraction of the surface's area. The paper gives none; its first charts need .004 to .007. Smaller: more charts, whose
-    /// borders merging has more choice among, and longer merging. Larger: charts that do not flatten and have to be split.
-    pub tolerance: f64,
-    /// Regions are not made beyond this number, whatever their errors.
-    pub max_charts: usize,
-    /// Rounds of flooding and fitting about each new region.
-    pub rounds: usize,
-    /// The same for all regions in the end.
-    pub final_rounds: usize,
-    /// New regions between two looks for a pair that is better merged; 0 for never.
-    pub teleport_every: usize,
-}
-
-impl Default for VsaParams {
-    fn default() -> Self {
-        Self { tolerance: 0.005, max_charts: 5000, rounds: 3, final_rounds: 20, teleport_every: 10 }
-    }
-}
-
-impl VsaParams {
-    /// Checks every option against its range.
-    pub fn validate(&self) -> Result<(), SolveError> {
-        // An error of 4 is the most that there can be: opposite normals everywhere.
-        SolveError::within("flatness tolerance", self.tolerance, 1e-6, 4.0)?;
-        SolveError::within("number of charts", self.max_charts as f64, 1.0, 1e6)?;
-        SolveError::within("rounds", self.rounds as f64, 1.0, 100.0)?;
-        SolveError::within("final rounds", self.final_rounds as f64, 0.0, 1000.0)
-    }
-}
-
-/// What a flow is at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum VsaPhase {
-    /// New regions where errors are largest.
-    #[default]
-    Growing,
-    /// Regions are merged: the tolerance was raised.
-    Merging,
-    /// All regions are flooded and fitted.
-    Settling,
-    /// Nothing is left to do.
-    Done,
-}
-
-/// Charts: every face has one, each hangs together.
-#[derive(Clone, Debug, PartialEq)]
-pub struct VsaState {
-    /// Chart of every face.
-    pub face_charts: Vec<u32>,
-    /// Number of charts.
-    pub count: usize,
-    /// Largest error of a chart, as a fraction of the area.
-    pub worst: f64,
-    /// Sum of all errors, as a fraction of the area.
-    pub total: f64,
-    /// What comes next.
-    pub phase: VsaPhase,
-}
-
-/// Regions of nearly one normal, one bounded step at a time.
+/// Charts about planes, one bounded step at a time.
 ///
-/// **Minimises** Σ E, with as many regions as it takes for max E ≤ tolerance · area. **Step** one new region, with `rounds` rounds in its neighbourhood;
-/// in the end one round of all regions. The sum of errors may rise from step to step: flooding does not minimise it exactly. **Ends** `Converged` when
-/// regions stay as they are or `final_rounds` are done; `StepLimit` if there are `max_charts` regions.
-/// **Costs** O(n log n) for each round of all regions, and in the neighbourhood of a new region as much as there are faces in it.
-/// **From** [LPFB] §4.1, after Cohen-Steiner, Alliez, Desbrun 2004. **Differs**: rounds about a new region leave regions that do not touch it alone, which the
-/// rounds at the end make up for.
+/// **Minimises** Σ E under max E ≤ ε A, with few charts. **Step** one chart more and its floods; after the last, one flood of everything. Where the tolerance
+/// was raised, first one pair joined a step: only then does the error rise. **Ends** `Converged`; `Stalled` where more charts than allowed would be needed.
+/// **From** [CAD04], [LPFB §2]. **Differs**: only the neighbourhood of a new chart is flooded; a chart begins at the face that fits
+/// best in direction, not by direction times area, which would prefer slivers.
+#[derive(Clone)]
 pub struct VsaFlow {
     mesh: Arc<Mesh>,
+    geometry: Arc<Geometry>,
     params: VsaParams,
-    flood: Flood,
-    progress: Progress,
+    faces: Faces,
+    progress: VsaCheckpoint,
 }
 
 /// Where a [`VsaFlow`] can go back to.
-#[derive(Clone)]
-pub struct VsaCheckpoint(Progress);
-
-#[derive(Clone)]
-struct Progress {
-    regions: Regions,
+#[derive(Clone, Debug, PartialEq)]
+pub struct VsaCheckpoint {
     state: VsaState,
+    step: usize,
+    /// Charts added since the last teleport was tried.
     inserted: usize,
-    settled: usize,
-    steps: usize,
+    /// Floods of everything since the last chart was added.
+    polished: usize,
     status: Status,
 }
 
 impl VsaFlow {
-    /// Begins with one region for each connected part.
+    /// Begins with one chart for each component of the surface.
     ///
-    /// **Takes** a surface of any scale. **Fails** on options out of range.
+    /// **Fails** on parameters out of range, a first face that is not there, and a surface without area.
+    /// **Costs** a flood.
     pub fn new(
         mesh: Arc<Mesh>,
-        geometry: &Geometry,
+        geometry: Arc<Geometry>,
         params: VsaParams,
     ) -> Result<Self, SolveError> {
-        let labels = vec![0; mesh.face_count()];
-        Self::from_labels(mesh, geometry, &labels, params)
+        let none = vec![None; mesh.face_count()];
+        Self::from_strokes(mesh, geometry, params, &none)
     }
 
-    /// Begins with given regions: faces of one label that hang together are one.
+    /// Begins with what a user has painted.
     ///
-    /// **Takes** a label for each face.
-    pub fn from_labels(
+    /// **Takes** for each face a label or none. Faces of one label that hang together begin one chart; the first floods start from all of them, with their
+    /// plane, and later ones may move the chart. Labels for all faces are charts to go on from.
+    /// **Fails** and **Costs** like [`VsaFlow::new`].
+    pub fn from_strokes(
         mesh: Arc<Mesh>,
-        geometry: &Geometry,
-        labels: &[u32],
+        geometry: Arc<Geometry>,
         params: VsaParams,
+        strokes: &[Option<u32>],
     ) -> Result<Self, SolveError> {
         params.validate()?;
-        let flood = Flood::new(&mesh, geometry);
-        let regions = Regions::of_labels(&flood, labels);
-        let state = VsaState {
-            face_charts: Vec::new(),
-            count: 0,
-            worst: 0.0,
-            total: 0.0,
-            phase: VsaPhase::Growing,
-        };
+        assert_eq!(strokes.len(), mesh.face_count());
+        let (value, max) = (f64::from(params.seed_face.0), mesh.face_count() as f64 - 1.0);
+        SolveError::within("first face", value, 0.0, max)?;
+        let mut faces = Faces::new(&mesh, &geometry);
+        if !(faces.total_area > 0.0 && faces.total_area.is_finite()) {
+            return Err(SolveError::NotFinite);
+        }
+        let state = first_charts(&mesh, &mut faces, params.seed_face, strokes);
         let progress =
-            Progress { regions, state, inserted: 0, settled: 0, steps: 0, status: Status::Running };
-        let mut flow = Self { mesh, params, flood, progress };
-        flow.publish();
+            VsaCheckpoint { state, step: 0, inserted: 0, polished: 0, status: Status::Running };
+        let mut flow = Self { mesh, geometry, params, faces, progress };
+        flow.sum_up();
         Ok(flow)
-    }
-
-    /// What is needed to go on from here.
-    pub fn checkpoint(&self) -> VsaCheckpoint {
-        VsaCheckpoint(self.progress.clone())
-    }
-
-    /// Goes back to a checkpoint of a flow on the same surface.
-    pub fn restore(&mut self, checkpoint: &VsaCheckpoint) {
-        self.progress = checkpoint.0.clone();
     }
 
     /// Options in force.
@@ -162,100 +103,214 @@ impl VsaFlow {
         &self.params
     }
 
-    /// Goes on with other options from the regions that there are: a lower tolerance makes more, a higher one merges some.
-    pub fn set_params(&mut self, params: VsaParams) -> Result<(), SolveError> {
-        params.validate()?;
-        if params == self.params {
-            return Ok(());
-        }
-        let is_higher = params.tolerance > self.params.tolerance;
-        self.params = params;
-        self.progress.state.phase = if is_higher { VsaPhase::Merging } else { VsaPhase::Growing };
-        self.progress.settled = 0;
-        self.progress.status = Status::Running;
-        Ok(())
-    }
-
-    /// Accepted steps so far.
-    pub fn steps(&self) -> usize {
-        self.progress.steps
-    }
-
-    /// Whether there is more to do.
+    /// How it stands.
     pub fn status(&self) -> Status {
         self.progress.status
     }
 
-    /// For each face |n − N|², N the mean normal of its chart: from 0 to 4.
-    pub fn face_errors(&self) -> Vec<f64> {
-        let regions = &self.progress.regions;
-        let error = |f: FaceId| self.flood.distance(f.0, &regions.proxies[regions.of(f.0)]);
-        self.mesh.faces().map(error).collect()
+    /// The surface.
+    pub fn surface(&self) -> (&Arc<Mesh>, &Arc<Geometry>) {
+        (&self.mesh, &self.geometry)
     }
 
-    fn publish(&mut self) {
-        let area = self.flood.total_area;
-        let Progress { regions, state, .. } = &mut self.progress;
-        state.face_charts.clone_from(&regions.charts);
-        state.count = regions.count();
-        state.worst = regions.errors().fold(0.0, f64::max) / area;
-        state.total = regions.errors().sum::<f64>() / area;
+    /// Goes on with other options from the charts that there are: with a lower tolerance more are added, with a higher one or with fewer
+    /// charts allowed pairs are joined. A new first face has no effect any more. After `Err` everything is as it was.
+    pub fn set_params(&mut self, params: VsaParams) -> Result<(), SolveError> {
+        params.validate()?;
+        let old = std::mem::replace(&mut self.params, params);
+        if old == params {
+            return Ok(());
+        }
+        let fewer = params.tolerance > old.tolerance
+            || self.progress.state.charts.len() > params.max_charts;
+        self.progress.state.phase = if fewer { VsaPhase::Merge } else { VsaPhase::Grow };
+        self.progress.polished = 0;
+        self.progress.status = Status::Running;
+        Ok(())
     }
 
-    /// One more region, where the error is largest.
-    fn grow(&mut self) {
-        let limit = self.params.tolerance * self.flood.total_area;
-        let progress = &mut self.progress;
-        let regions = &mut progress.regions;
-        let is_full = regions.count() >= self.params.max_charts;
-        let worst = regions.worst().filter(|&region| regions.error(region) > limit && !is_full);
-        let Some(seed) = worst.and_then(|region| regions.farthest(&self.flood, region)) else {
-            progress.state.phase = VsaPhase::Settling;
+    /// What it takes to come back to where it is.
+    pub fn checkpoint(&self) -> VsaCheckpoint {
+        self.progress.clone()
+    }
+
+    /// Goes back to a checkpoint of a flow on the same surface with the same options. Later steps repeat bit for bit.
+    pub fn restore(&mut self, checkpoint: &VsaCheckpoint) {
+        self.progress = checkpoint.clone();
+    }
+
+    fn sum_up(&mut self) {
+        let state = &mut self.progress.state;
+        let area = self.faces.total_area;
+        state.error = state.charts.iter().fold(0.0, |sum, c| sum + c.error) / area;
+        state.worst = state.charts.iter().fold(0.0, |worst: f64, c| worst.max(c.error)) / area;
+    }
+
+    /// The chart with the largest error, the first of several.
+    fn worst(&self) -> u32 {
+        let charts = &self.progress.state.charts;
+        let mut worst = 0;
+        for (i, chart) in charts.iter().enumerate() {
+            if chart.error > charts[worst].error {
+                worst = i;
+            }
+        }
+        small(worst)
+    }
+
+    /// One chart more, if one is needed and allowed.
+    fn grow(&mut self) -> bool {
+        let state = &self.progress.state;
+        if state.worst <= self.params.tolerance || state.charts.len() >= self.params.max_charts {
+            return false;
+        }
+        let (worst, slot) = (self.worst(), small(state.charts.len()));
+        let lloyd = self.params.lloyd;
+        if !self.faces.insert(&mut self.progress.state, worst, slot, lloyd) {
+            return false;
+        }
+        self.sum_up();
+        self.progress.polished = 0;
+        self.progress.inserted += 1;
+        let every = self.params.teleport_every;
+        if every > 0 && self.progress.inserted >= every {
+            self.progress.inserted = 0;
+            self.polish();
+            self.teleport();
+        }
+        true
+    }
+
+    /// Floods everything once. **Gives** whether that lowered the error; where it did not, nothing has changed.
+    fn polish(&mut self) -> bool {
+        let before = self.progress.state.clone();
+        let all: Vec<u32> = (0..small(before.charts.len())).collect();
+        self.faces.flood(&mut self.progress.state, &all);
+        self.sum_up();
+        let is_better = self.progress.state.error < before.error * (1.0 - GAIN);
+        if !is_better {
+            self.progress.state = before;
+        }
+        is_better
+    }
+
+    /// Joins the pair that costs least and begins its second chart anew where the error is largest, if that lowers both the error and its maximum.
+    fn teleport(&mut self) {
+        let before = self.progress.state.clone();
+        let limit = 0.5 * before.worst * self.faces.total_area;
+        let Some(pair) = self.faces.cheapest_pair(&before, |increase, _| increase < limit) else {
             return;
         };
-        regions.insert(&mut self.flood, seed, self.params.rounds);
-        progress.inserted += 1;
-        let every = self.params.teleport_every;
-        if every > 0 && progress.inserted.is_multiple_of(every) {
-            // A pair that is nearly one makes room for a region where it is needed more.
-            if let Some((pair, increase)) = regions.nearest_pair(&self.flood)
-                && let Some(worst) = regions.worst()
-                && increase < 0.5 * regions.error(worst)
-                && !pair.contains(&worst)
-                && let Some(seed) = regions.farthest(&self.flood, worst)
-            {
-                regions.teleport(&mut self.flood, pair, seed, self.params.rounds);
-            }
-            regions.round(&mut self.flood);
+        self.faces.join(&mut self.progress.state, pair);
+        // Its error would be counted with that of the union.
+        self.progress.state.charts[pair[1] as usize].error = 0.0;
+        let worst = self.worst();
+        let lloyd = self.params.lloyd;
+        let done = self.faces.insert(&mut self.progress.state, worst, pair[1], lloyd);
+        self.sum_up();
+        let state = &self.progress.state;
+        if !(done && state.error < before.error && state.worst <= before.worst) {
+            self.progress.state = before;
         }
     }
 
-    /// Fewer regions, where the least is lost.
-    fn merge(&mut self) {
-        let limit = self.params.tolerance * self.flood.total_area;
-        let regions = &mut self.progress.regions;
-        for _ in 0..MERGES {
-            let Some(pair) = regions.best_merge(&self.flood, limit) else {
-                self.progress.state.phase = VsaPhase::Settling;
-                return;
-            };
-            regions.merge(pair);
-        }
-    }
-
-    /// One round of all regions.
-    fn settle(&mut self) {
-        let progress = &mut self.progress;
-        if progress.settled < self.params.final_rounds {
-            progress.settled += 1;
-            if progress.regions.round(&mut self.flood) {
-                return;
+    /// Joins the pair that costs least, if the tolerance lets it or there are too many.
+    fn merge(&mut self) -> bool {
+        let state = &self.progress.state;
+        let limit = self.params.tolerance * self.faces.total_area;
+        let too_many = state.charts.len() > self.params.max_charts;
+        let pair = self.faces.cheapest_pair(state, |_, error| too_many || error <= limit);
+        let Some([a, b]) = pair else { return false };
+        let state = &mut self.progress.state;
+        self.faces.join(state, [a, b]);
+        // The last chart takes the free number.
+        state.charts.swap_remove(b as usize);
+        if let Some(moved) = state.charts.get(b as usize) {
+            for f in &moved.faces {
+                state.face_charts[f.index()] = b;
             }
         }
-        progress.state.phase = VsaPhase::Done;
-        let is_full = progress.regions.count() >= self.params.max_charts;
-        progress.status = if is_full { Status::StepLimit } else { Status::Converged };
+        self.sum_up();
+        true
     }
+
+    fn advance(&mut self) {
+        if self.progress.state.phase == VsaPhase::Merge {
+            if self.merge() {
+                return;
+            }
+            self.progress.state.phase = VsaPhase::Grow;
+        }
+        if self.progress.state.phase == VsaPhase::Grow {
+            if self.grow() {
+                return;
+            }
+            self.progress.state.phase = VsaPhase::Polish;
+        }
+        let goes_on = self.progress.polished < self.params.final_iterations && self.polish();
+        if goes_on {
+            self.progress.polished += 1;
+            return;
+        }
+        let state = &mut self.progress.state;
+        let is_met = state.worst <= self.params.tolerance;
+        if is_met || state.charts.len() >= self.params.max_charts {
+            state.phase = VsaPhase::Done;
+            self.progress.status = if is_met { Status::Converged } else { Status::Stalled };
+        } else {
+            // Flooding has raised the largest error again.
+            state.phase = VsaPhase::Grow;
+            if !self.grow() {
+                self.progress.state.phase = VsaPhase::Done;
+                self.progress.status = Status::Stalled;
+            }
+        }
+    }
+}
+
+/// Charts from strokes, and one for each component without.
+fn first_charts(
+    mesh: &Mesh,
+    faces: &mut Faces,
+    seed_face: FaceId,
+    strokes: &[Option<u32>],
+) -> VsaState {
+    let labels: Vec<u32> = strokes.iter().map(|s| s.map_or(0, |s| s.saturating_add(1))).collect();
+    let (pieces, count) = connected_charts(mesh, &labels);
+    let mut numbers = vec![NONE; count];
+    let mut state = VsaState { face_charts: vec![NONE; labels.len()], ..VsaState::default() };
+    for f in mesh.faces().filter(|f| strokes[f.index()].is_some()) {
+        let number = &mut numbers[pieces[f.index()] as usize];
+        if *number == NONE {
+            *number = small(state.charts.len());
+            state.charts.push(faces.chart(f));
+        }
+        state.charts[*number as usize].faces.push(f);
+        state.face_charts[f.index()] = *number;
+    }
+    for chart in &mut state.charts {
+        faces.fit(chart);
+    }
+    let topology = mesh.topology();
+    let component = |f: FaceId| topology.face_components[f.index()] as usize;
+    let mut has_chart = vec![false; topology.components];
+    for chart in &state.charts {
+        has_chart[component(chart.seed)] = true;
+    }
+    for f in std::iter::once(seed_face).chain(mesh.faces()) {
+        if !std::mem::replace(&mut has_chart[component(f)], true) {
+            state.face_charts[f.index()] = small(state.charts.len());
+            let mut chart = faces.chart(f);
+            chart.faces.push(f);
+            state.charts.push(chart);
+        }
+    }
+    let all: Vec<u32> = (0..small(state.charts.len())).collect();
+    faces.spread(&mut state, &all);
+    for chart in &mut state.charts {
+        faces.fit(chart);
+    }
+    state
 }
 
 impl Flow for VsaFlow {
@@ -267,22 +322,28 @@ impl Flow for VsaFlow {
 
     fn step(&mut self) -> Result<StepReport, SolveError> {
         if self.progress.status == Status::Running {
-            match self.progress.state.phase {
-                VsaPhase::Growing => self.grow(),
-                VsaPhase::Merging => self.merge(),
-                VsaPhase::Settling | VsaPhase::Done => self.settle(),
-            }
-            self.progress.steps += 1;
-            self.publish();
+            self.advance();
+            self.progress.step += 1;
         }
-        let Progress { state, steps, status, .. } = &self.progress;
-        let worst = state.worst / self.params.tolerance;
+        let state = &self.progress.state;
+        if !state.error.is_finite() {
+            return Err(SolveError::NotFinite);
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "a fraction")]
+        let progress = match state.phase {
+            VsaPhase::Done => 1.0,
+            _ => (self.params.tolerance / state.worst.max(self.params.tolerance)) as f32 * 0.95,
+        };
         Ok(StepReport {
-            step: *steps,
-            energy: vec![("error", state.total), ("worst", state.worst)],
-            residual: worst,
-            progress: None,
-            status: *status,
+            step: self.progress.step,
+            energy: vec![
+                ("Σ error", state.error),
+                ("worst chart", state.worst),
+                ("charts", state.charts.len() as f64),
+            ],
+            residual: 0.0,
+            progress: Some(progress),
+            status: self.progress.status,
         })
     }
 }

@@ -1,252 +1,245 @@
-//! Regions with their proxies, errors and seeds.
+//! Charts about planes: flooding, fitting, splitting, joining.
 
-use std::collections::BTreeSet;
+use std::cmp::Reverse;
+use std::collections::{BTreeSet, BinaryHeap};
 
 use nalgebra::Vector3;
 
-use super::flood::{Flood, NONE};
+use super::params::{VsaChart, VsaState};
+use crate::geometry::Geometry;
+use crate::mesh::{FaceId, Mesh};
 
-/// Regions: each hangs together and has its seed.
+/// No chart, no neighbour.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// What floods need to know of a surface, side by side.
 #[derive(Clone)]
-pub(super) struct Regions {
-    /// Region of every face.
-    pub charts: Vec<u32>,
-    /// N of every region.
-    pub proxies: Vec<Vector3<f64>>,
-    seeds: Vec<u32>,
-    /// Σ a n and Σ a.
-    sums: Vec<(Vector3<f64>, f64)>,
+pub(super) struct Faces {
+    pub normals: Vec<Vector3<f64>>,
+    pub areas: Vec<f64>,
+    pub neighbours: Vec<[u32; 3]>,
+    pub total_area: f64,
+    /// Error, face and chart in one number, so that one comparison orders them.
+    heap: BinaryHeap<Reverse<u128>>,
 }
 
-/// E of a region with these sums.
-fn error_of((sum, area): &(Vector3<f64>, f64)) -> f64 {
-    // Rounding must not make flat regions better than flat.
-    (2.0 * (area - sum.norm())).max(0.0)
+/// Smaller errors first, then smaller faces, then smaller charts.
+fn key(error: f64, f: u32, r: u32) -> Reverse<u128> {
+    Reverse(u128::from(error.to_bits()) << 64 | u128::from(f) << 32 | u128::from(r))
 }
 
-impl Regions {
-    /// Faces of one label that hang together are a region.
-    pub fn of_labels(flood: &Flood, labels: &[u32]) -> Self {
-        let mut charts = vec![NONE; labels.len()];
-        let mut seeds = Vec::new();
-        let mut stack = Vec::new();
-        for start in 0..labels.len() {
-            if charts[start] != NONE {
-                continue;
-            }
-            let region = number(seeds.len());
-            seeds.push(number(start));
-            charts[start] = region;
-            stack.push(start);
-            while let Some(face) = stack.pop() {
-                for next in flood.neighbours[face].into_iter().filter(|&next| next != NONE) {
-                    let next = next as usize;
-                    if charts[next] == NONE && labels[next] == labels[face] {
-                        charts[next] = region;
-                        stack.push(next);
+/// Face and chart of a key.
+#[expect(clippy::cast_possible_truncation, reason = "each has 32 bits of its own")]
+fn names(bits: u128) -> (u32, u32) {
+    ((bits >> 32) as u32, bits as u32)
+}
+
+impl Faces {
+    pub fn new(mesh: &Mesh, geometry: &Geometry) -> Self {
+        let neighbour = |h: crate::mesh::HalfedgeId| mesh.face(h.twin()).map_or(NONE, |f| f.0);
+        Self {
+            normals: geometry.face_normals(mesh),
+            areas: geometry.face_areas.clone(),
+            neighbours: mesh.faces().map(|f| mesh.face_halfedges(f).map(neighbour)).collect(),
+            total_area: geometry.total_area(),
+            heap: BinaryHeap::new(),
+        }
+    }
+
+    /// a |n − N|²: never negative, so that its bits are ordered like it.
+    fn error(&self, f: u32, proxy: &Vector3<f64>) -> f64 {
+        self.areas[f as usize] * (self.normals[f as usize] - proxy).norm_squared()
+    }
+
+    /// A chart without faces yet.
+    pub fn chart(&self, seed: FaceId) -> VsaChart {
+        let proxy = self.normals[seed.index()];
+        VsaChart { proxy, area: 0.0, error: 0.0, seed, faces: Vec::new() }
+    }
+
+    /// Gives the faces that have no chart to the charts in `set`, which begin with the faces they have: best fit first, ties by face, then chart.
+    pub fn spread(&mut self, state: &mut VsaState, set: &[u32]) {
+        let mut heap = std::mem::take(&mut self.heap);
+        for &r in set {
+            let chart = &state.charts[r as usize];
+            for f in &chart.faces {
+                for g in self.neighbours[f.index()] {
+                    if g != NONE && state.face_charts[g as usize] == NONE {
+                        heap.push(key(self.error(g, &chart.proxy), g, r));
                     }
                 }
             }
         }
-        let count = seeds.len();
-        let mut regions = Self {
-            charts,
-            proxies: vec![Vector3::zeros(); count],
-            seeds,
-            sums: vec![(Vector3::zeros(), 0.0); count],
-        };
-        regions.fit(flood, &(0..number(count)).collect());
-        regions
-    }
-
-    pub fn count(&self) -> usize {
-        self.seeds.len()
-    }
-
-    pub fn of(&self, face: u32) -> usize {
-        self.charts[face as usize] as usize
-    }
-
-    pub fn error(&self, region: u32) -> f64 {
-        error_of(&self.sums[region as usize])
-    }
-
-    pub fn errors(&self) -> impl Iterator<Item = f64> + '_ {
-        self.sums.iter().map(error_of)
-    }
-
-    /// The region with the largest error.
-    pub fn worst(&self) -> Option<u32> {
-        let regions = 0..number(self.count());
-        regions.max_by(|&a, &b| self.error(a).total_cmp(&self.error(b)).then(b.cmp(&a)))
-    }
-
-    /// The face of a region that adds most to its error, other than its seed; none in a region of one face.
-    pub fn farthest(&self, flood: &Flood, region: u32) -> Option<u32> {
-        let proxy = self.proxies[region as usize];
-        let seed = self.seeds[region as usize];
-        let faces = (0..number(self.charts.len()))
-            .filter(|&f| self.charts[f as usize] == region && f != seed);
-        faces.max_by(|&a, &b| {
-            flood.error(a, &proxy).total_cmp(&flood.error(b, &proxy)).then(b.cmp(&a))
-        })
-    }
-
-    /// Fits proxies to the faces of some regions, and puts their seeds where normals are nearest to them.
-    fn fit(&mut self, flood: &Flood, regions: &BTreeSet<u32>) {
-        for &region in regions {
-            self.sums[region as usize] = (Vector3::zeros(), 0.0);
-        }
-        let is_in = self.marks(regions);
-        for (face, &region) in self.charts.iter().enumerate() {
-            if is_in[region as usize] {
-                let (sum, area) = &mut self.sums[region as usize];
-                *sum += flood.normals[face] * flood.areas[face];
-                *area += flood.areas[face];
+        while let Some(Reverse(bits)) = heap.pop() {
+            let (f, r) = names(bits);
+            if state.face_charts[f as usize] != NONE {
+                continue;
             }
-        }
-        for &region in regions {
-            let (sum, _) = self.sums[region as usize];
-            // A region that is bent all around has no mean: what it had serves as well as any.
-            if let Some(proxy) = sum.try_normalize(0.0) {
-                self.proxies[region as usize] = proxy;
-            }
-        }
-        let mut nearest = vec![f64::INFINITY; self.count()];
-        for (face, &region) in (0u32..).zip(&self.charts) {
-            if is_in[region as usize] {
-                let distance = flood.distance(face, &self.proxies[region as usize]);
-                if distance < nearest[region as usize] {
-                    nearest[region as usize] = distance;
-                    self.seeds[region as usize] = face;
+            state.face_charts[f as usize] = r;
+            let chart = &mut state.charts[r as usize];
+            chart.faces.push(FaceId(f));
+            for g in self.neighbours[f as usize] {
+                if g != NONE && state.face_charts[g as usize] == NONE {
+                    heap.push(key(self.error(g, &chart.proxy), g, r));
                 }
             }
         }
+        self.heap = heap;
     }
 
-    fn marks(&self, regions: &BTreeSet<u32>) -> Vec<bool> {
-        let mut is_in = vec![false; self.count()];
-        regions.iter().for_each(|&region| is_in[region as usize] = true);
-        is_in
-    }
-
-    /// Floods some regions anew from their seeds, and fits them.
-    fn flood(&mut self, flood: &mut Flood, regions: &BTreeSet<u32>) {
-        let is_in = self.marks(regions);
-        for region in &mut self.charts {
-            if is_in[*region as usize] {
-                *region = NONE;
+    /// One iteration of Lloyd's on some charts, from their seeds; the others stay as they are.
+    pub fn flood(&mut self, state: &mut VsaState, set: &[u32]) {
+        for &r in set {
+            for f in std::mem::take(&mut state.charts[r as usize].faces) {
+                state.face_charts[f.index()] = NONE;
             }
         }
-        let seeds = regions.iter().map(|&region| (self.seeds[region as usize], region));
-        flood.run(&mut self.charts, seeds, &self.proxies);
-        self.fit(flood, regions);
+        for &r in set {
+            let seed = state.charts[r as usize].seed;
+            state.face_charts[seed.index()] = r;
+            state.charts[r as usize].faces.push(seed);
+        }
+        self.spread(state, set);
+        for &r in set {
+            self.fit(&mut state.charts[r as usize]);
+        }
     }
 
-    /// One round of all regions. **Gives** whether a face changed its region.
-    pub fn round(&mut self, flood: &mut Flood) -> bool {
-        let before = self.charts.clone();
-        self.flood(flood, &(0..number(self.count())).collect());
-        self.charts != before
-    }
-
-    /// A region, and those that it touches.
-    fn around(&self, flood: &Flood, region: u32) -> BTreeSet<u32> {
-        let mut found = BTreeSet::from([region]);
-        for (face, &own) in self.charts.iter().enumerate() {
-            if own == region {
-                let across = flood.neighbours[face].into_iter().filter(|&next| next != NONE);
-                found.extend(across.map(|next| self.charts[next as usize]));
+    /// The best plane of a chart, its error, and the face that fits best.
+    pub fn fit(&self, chart: &mut VsaChart) {
+        let sum = self.sum(chart);
+        chart.area = chart.faces.iter().fold(0.0, |area, f| area + self.areas[f.index()]);
+        // Faces in all directions have no plane: the one before is as good as any.
+        if sum.norm() > 1e-12 * chart.area {
+            chart.proxy = sum.normalize();
+        }
+        chart.error = 0.0;
+        let mut best = (f64::INFINITY, NONE);
+        for f in &chart.faces {
+            let deviation = (self.normals[f.index()] - chart.proxy).norm_squared();
+            chart.error += self.areas[f.index()] * deviation;
+            if deviation < best.0 || (deviation <= best.0 && f.0 < best.1) {
+                best = (deviation, f.0);
             }
         }
-        found
+        chart.seed = FaceId(best.1);
     }
 
-    /// A new region around a face, with some rounds of what it touches.
-    pub fn insert(&mut self, flood: &mut Flood, seed: u32, rounds: usize) {
-        let from = self.charts[seed as usize];
-        let mut touched = self.around(flood, from);
-        let region = number(self.count());
-        self.seeds.push(seed);
-        self.proxies.push(flood.normals[seed as usize]);
-        self.sums.push((Vector3::zeros(), 0.0));
-        touched.insert(region);
-        for _ in 0..rounds {
-            self.flood(flood, &touched);
+    /// Σ a n.
+    pub fn sum(&self, chart: &VsaChart) -> Vector3<f64> {
+        chart
+            .faces
+            .iter()
+            .fold(Vector3::zeros(), |sum, f| sum + self.normals[f.index()] * self.areas[f.index()])
+    }
+
+    /// The face with the largest error that is not the seed.
+    pub fn worst_face(&self, chart: &VsaChart) -> Option<FaceId> {
+        let mut worst = (0.0, NONE);
+        for f in chart.faces.iter().filter(|&&f| f != chart.seed) {
+            let error = self.error(f.0, &chart.proxy);
+            if error > worst.0 || (error >= worst.0 && f.0 < worst.1 && error > 0.0) {
+                worst = (error, f.0);
+            }
         }
+        (worst.1 != NONE).then_some(FaceId(worst.1))
     }
 
-    /// Pairs of regions that touch, each once.
-    fn pairs(&self, flood: &Flood) -> BTreeSet<[u32; 2]> {
+    /// The charts beside a chart, in increasing order, and itself.
+    pub fn around(&self, state: &VsaState, r: u32) -> Vec<u32> {
+        let near = state.charts[r as usize].faces.iter().flat_map(|f| self.neighbours[f.index()]);
+        let mut set: Vec<u32> =
+            near.filter(|&g| g != NONE).map(|g| state.face_charts[g as usize]).collect();
+        set.push(r);
+        set.sort_unstable();
+        set.dedup();
+        set
+    }
+
+    /// The adjacent pair whose union has the least error more than both: Σ a |n − N|² = 2 (A − |Σ a n|) for unit normals, so that is 2 (|S| + |T| − |S + T|).
+    ///
+    /// **Takes** what a union may be, asked with its increase and its error.
+    pub fn cheapest_pair(
+        &self,
+        state: &VsaState,
+        may: impl Fn(f64, f64) -> bool,
+    ) -> Option<[u32; 2]> {
+        let sums: Vec<Vector3<f64>> = state.charts.iter().map(|c| self.sum(c)).collect();
         let mut pairs = BTreeSet::new();
-        for (face, &own) in self.charts.iter().enumerate() {
-            for next in flood.neighbours[face].into_iter().filter(|&next| next != NONE) {
-                let other = self.charts[next as usize];
-                if own < other {
-                    pairs.insert([own, other]);
+        for (f, near) in self.neighbours.iter().enumerate() {
+            let a = state.face_charts[f];
+            for g in near.iter().filter(|&&g| g != NONE) {
+                let b = state.face_charts[*g as usize];
+                if a < b {
+                    pairs.insert([a, b]);
                 }
             }
         }
-        pairs
-    }
-
-    /// Sums of a pair as one region.
-    fn joined(&self, [a, b]: [u32; 2]) -> (Vector3<f64>, f64) {
-        let ((s, x), (t, y)) = (self.sums[a as usize], self.sums[b as usize]);
-        (s + t, x + y)
-    }
-
-    /// What merging a pair adds to the sum of errors.
-    fn increase(&self, pair: [u32; 2]) -> f64 {
-        error_of(&self.joined(pair)) - self.error(pair[0]) - self.error(pair[1])
-    }
-
-    /// The pair whose merging adds least, and how much.
-    pub fn nearest_pair(&self, flood: &Flood) -> Option<([u32; 2], f64)> {
-        let all = self.pairs(flood).into_iter().map(|pair| (pair, self.increase(pair)));
-        all.min_by(|(p, x), (q, y)| x.total_cmp(y).then(p.cmp(q)))
-    }
-
-    /// The pair whose merging adds least, of those whose error then is below a limit.
-    pub fn best_merge(&self, flood: &Flood, limit: f64) -> Option<[u32; 2]> {
-        let fits = |pair: &[u32; 2]| error_of(&self.joined(*pair)) <= limit;
-        let all = self.pairs(flood).into_iter().filter(fits);
-        let keyed = all.map(|pair| (pair, self.increase(pair)));
-        keyed.min_by(|(p, x), (q, y)| x.total_cmp(y).then(p.cmp(q))).map(|(pair, _)| pair)
-    }
-
-    /// Makes a pair one region. The last region takes the number that is free.
-    pub fn merge(&mut self, [a, b]: [u32; 2]) {
-        let sums = self.joined([a, b]);
-        for region in &mut self.charts {
-            if *region == b {
-                *region = a;
+        let mut best: Option<(f64, [u32; 2])> = None;
+        for pair in pairs {
+            let [s, t] = pair.map(|r| sums[r as usize]);
+            let [a, b] = pair.map(|r| &state.charts[r as usize]);
+            let increase = (2.0 * (s.norm() + t.norm() - (s + t).norm())).max(0.0);
+            if may(increase, a.error + b.error + increase)
+                && best.is_none_or(|(least, _)| increase < least)
+            {
+                best = Some((increase, pair));
             }
         }
-        self.sums[a as usize] = sums;
-        if let Some(proxy) = sums.0.try_normalize(0.0) {
-            self.proxies[a as usize] = proxy;
+        best.map(|(_, pair)| pair)
+    }
+
+    /// Gives all faces of the second chart to the first, and leaves the second empty.
+    pub fn join(&self, state: &mut VsaState, [a, b]: [u32; 2]) {
+        let faces = std::mem::take(&mut state.charts[b as usize].faces);
+        for f in &faces {
+            state.face_charts[f.index()] = a;
         }
-        let last = number(self.count() - 1);
-        for region in &mut self.charts {
-            if *region == last {
-                *region = b;
+        let chart = &mut state.charts[a as usize];
+        chart.faces.extend(faces);
+        self.fit(chart);
+    }
+
+    /// Lets a new chart, `slot`, begin at the worst face of `r`, and floods about it. The error never rises: where the flood about all
+    /// neighbours does not lower it, `r` alone is split, and two planes always fit better than one.
+    ///
+    /// **Gives** false, and changes nothing, where `r` is flat.
+    pub fn insert(&mut self, state: &mut VsaState, r: u32, slot: u32, lloyd: usize) -> bool {
+        let Some(seed) = self.worst_face(&state.charts[r as usize]) else { return false };
+        let mut set = self.around(state, r);
+        let before: Vec<VsaChart> = set.iter().map(|&c| state.charts[c as usize].clone()).collect();
+        let error = |state: &VsaState, set: &[u32]| {
+            set.iter().fold(0.0, |sum, &c| sum + state.charts[c as usize].error)
+        };
+        let old_error = error(state, &set);
+        let begin = |state: &mut VsaState| {
+            let chart = self.chart(seed);
+            if slot as usize == state.charts.len() {
+                state.charts.push(chart);
+            } else {
+                state.charts[slot as usize] = chart;
             }
+        };
+        begin(state);
+        let old_set = set.clone();
+        if let Err(at) = set.binary_search(&slot) {
+            set.insert(at, slot);
         }
-        self.sums.swap_remove(b as usize);
-        self.proxies.swap_remove(b as usize);
-        self.seeds.swap_remove(b as usize);
+        for _ in 0..lloyd {
+            self.flood(state, &set);
+        }
+        if !(error(state, &set) < old_error) {
+            for (&c, chart) in old_set.iter().zip(before) {
+                for f in &chart.faces {
+                    state.face_charts[f.index()] = c;
+                }
+                state.charts[c as usize] = chart;
+            }
+            state.charts[slot as usize] = self.chart(seed);
+            let mut both = [r, slot];
+            both.sort_unstable();
+            self.flood(state, &both);
+        }
+        true
     }
-
-    /// Merges a pair, and uses the region that is saved around a face elsewhere.
-    pub fn teleport(&mut self, flood: &mut Flood, pair: [u32; 2], seed: u32, rounds: usize) {
-        self.merge(pair);
-        self.insert(flood, seed, rounds);
-    }
-}
-
-/// Numbers of faces and regions fit 32 bits: meshes are refused beyond.
-#[expect(clippy::cast_possible_truncation, reason = "`Mesh::new` refuses larger meshes")]
-fn number(i: usize) -> u32 {
-    i as u32
 }
