@@ -564,7 +564,6 @@ impl Session {
             work.symmetries = old.symmetries.or(work.symmetries);
             work.cones.keep_solver(old.cones);
             work.phase.keep(old.phase);
-            work.develop.keep(old.develop);
         }
         if is_other {
             events.push(Event::Mesh(work.document.summary.clone()));

@@ -369,11 +369,15 @@ impl Work {
         let packing = self.layout.take().map(|layout| layout.packing);
         // Patches of triangles end at edges of the mesh as it is.
         let is_free = self.method != Method::Developable;
+        let mut charting = Charting::of(&self.settings);
+        if !is_free && charting.by == FlattenBy::Auto {
+            charting.by = FlattenBy::Lpfb;
+        }
         let finish = Finish {
             straighten: is_free && self.settings.is_on("straighten"),
             snap: is_free && self.settings.is_on("snap"),
             pins: &self.layers.pin,
-            charting: Charting::of(&self.settings),
+            charting,
         };
         let layout = Layout::finished(surface, cut, &finish, packing.as_ref())
             .map_err(|error| error.problem(&surface.name))?;

@@ -1,5 +1,6 @@
 //! Developable patches at work: first pieces, tighter seams, merging, one stage after the other.
 
+use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -14,13 +15,15 @@ use super::report::{DevelopReport, DevelopSeconds, PatchRow, not_divided, status
 use super::{Inputs, Segmentation, row};
 use crate::flatten::Flattening;
 use crate::flatten::merging::{
-    AreaMeasure, MergeFlow, MergeParams, MergePhase, MergeStrategy, MergeWishes, ParamsChange,
-    TightenFlow,
+    AreaMeasure, ChartGate, MergeFlow, MergeParams, MergePhase, MergeStrategy, MergeWishes,
+    ParamsChange,
 };
 use crate::geometry::Geometry;
 use crate::mesh::{CutMesh, EdgeId, Mesh, OpenedMesh};
 use crate::methods::cutflow::Initial;
-use crate::methods::developable::{SmoothParams, TightenParams, VsaFlow, VsaParams, smoothed};
+use crate::methods::developable::{
+    DenoiseFlow, DenoiseParams, RefineFlow, RefineParams, VsaFlow, VsaParams,
+};
 use crate::methods::flow::{Flow, SolveError, Status};
 
 /// Paint from which a place counts as painted.
@@ -52,6 +55,8 @@ pub struct Developable {
     run: Option<Run>,
     /// Where to go on from, once there is time.
     saved: Option<DevelopCheckpoint>,
+    /// The last checkpoint.
+    kept: RefCell<Option<DevelopCheckpoint>>,
     /// What is asked for beside the limits, by hand.
     hands: Hands,
 }
@@ -76,6 +81,7 @@ struct Plan {
 }
 
 /// A run and where it is.
+#[derive(Clone)]
 struct Run {
     plan: Plan,
     hands: Hands,
@@ -85,31 +91,29 @@ struct Run {
     merged_on: Arc<Geometry>,
     stage: Stage,
     /// Pieces and seam after the stages that are over.
-    after: [Option<(usize, f64)>; 3],
+    after: [Option<(usize, f64)>; 4],
     /// Charts that merging began with.
     charts: Rc<Vec<u32>>,
     steps: usize,
     curve: Vec<Event>,
 }
 
+#[derive(Clone)]
 enum Stage {
     Vsa(VsaFlow),
-    Tighten(TightenFlow),
-    Merge(MergeFlow),
+    Tighten(RefineFlow, Box<ChartGate>),
+    Smooth(DenoiseFlow),
+    Merge(Box<MergeFlow>),
 }
 
-/// What Undo goes back to: first pieces, and how many steps to repeat from there.
+/// What Undo goes back to.
 #[derive(Clone)]
-pub struct DevelopCheckpoint {
-    plan: Plan,
-    hands: Hands,
-    steps: usize,
-}
+pub struct DevelopCheckpoint(Rc<Run>);
 
 impl Run {
     fn new(surface: &Surface, plan: Plan, hands: Hands) -> Result<Self, SolveError> {
         let (mesh, geometry) = (surface.mesh.clone(), surface.geometry.clone());
-        let flow = VsaFlow::new(mesh.clone(), &geometry, plan.vsa)?;
+        let flow = VsaFlow::new(mesh.clone(), geometry.clone(), plan.vsa)?;
         let mut run = Self {
             plan,
             hands,
@@ -117,7 +121,7 @@ impl Run {
             mesh,
             geometry,
             stage: Stage::Vsa(flow),
-            after: [None; 3],
+            after: [None; 4],
             charts: Rc::default(),
             steps: 0,
             curve: Vec::new(),
@@ -146,15 +150,17 @@ impl Run {
     fn face_charts(&self) -> &[u32] {
         match &self.stage {
             Stage::Vsa(flow) => &flow.state().face_charts,
-            Stage::Tighten(flow) => &flow.state().face_charts,
+            Stage::Tighten(flow, _) => &flow.state().face_charts,
+            Stage::Smooth(_) => &self.charts,
             Stage::Merge(flow) => &flow.state().face_patches,
         }
     }
 
     fn count(&self) -> usize {
         match &self.stage {
-            Stage::Vsa(flow) => flow.state().count,
-            Stage::Tighten(flow) => count_of(&flow.state().face_charts),
+            Stage::Vsa(flow) => flow.state().charts.len(),
+            Stage::Tighten(flow, _) => flow.state().charts,
+            Stage::Smooth(_) => count_of(&self.charts),
             Stage::Merge(flow) => flow.state().patches.len(),
         }
     }
@@ -162,8 +168,19 @@ impl Run {
     fn seam(&self) -> f64 {
         match &self.stage {
             Stage::Vsa(flow) => border(&self.mesh, &self.geometry, &flow.state().face_charts),
-            Stage::Tighten(flow) => flow.state().seam_length,
+            Stage::Tighten(flow, _) => flow.state().length,
+            Stage::Smooth(_) => border(&self.mesh, &self.geometry, &self.charts),
             Stage::Merge(flow) => flow.state().seam_length,
+        }
+    }
+
+    /// The place of the stage among all.
+    fn number(&self) -> usize {
+        match self.stage {
+            Stage::Vsa(_) => 0,
+            Stage::Tighten(..) => 1,
+            Stage::Smooth(_) => 2,
+            Stage::Merge(_) => 3,
         }
     }
 
@@ -177,93 +194,70 @@ impl Run {
     }
 
     fn step(&mut self) -> Result<(), SolveError> {
-        let next = match &mut self.stage {
-            Stage::Vsa(flow) => {
-                flow.step()?;
-                (flow.status() != Status::Running).then(|| flow.state().face_charts.clone())
+        let status = match &mut self.stage {
+            Stage::Vsa(flow) => flow.step()?.status,
+            Stage::Tighten(flow, gate) => {
+                flow.step_if(&mut |charts, pair| gate.accepts(charts, pair))?.status
             }
-            Stage::Tighten(flow) => {
-                flow.step()?;
-                (flow.status() != Status::Running).then(|| flow.state().face_charts.clone())
-            }
+            Stage::Smooth(flow) => flow.step()?.status,
             Stage::Merge(flow) => {
                 flow.step()?;
-                None
+                Status::Running
             }
         };
         self.steps += 1;
         self.tell();
-        match next {
-            Some(charts) => self.next_stage(charts),
-            None => Ok(()),
-        }
+        if status == Status::Running { Ok(()) } else { self.next_stage() }
     }
 
-    /// Goes on to what follows, where the stage is over.
-    fn next_stage(&mut self, charts: Vec<u32>) -> Result<(), SolveError> {
-        let now = (self.count(), self.seam());
-        let is_vsa = matches!(self.stage, Stage::Vsa(_));
-        self.after[usize::from(!is_vsa)] = Some(now);
-        if is_vsa && self.plan.tightens {
-            let flow = TightenFlow::new(
-                self.mesh.clone(),
-                self.geometry.clone(),
-                &charts,
-                TightenParams::default(),
-                &self.plan.merge,
-                &self.plan.factors,
-            );
-            if flow.status() == Status::Running {
-                self.stage = Stage::Tighten(flow);
-                return Ok(());
-            }
-        }
-        if self.plan.smooths {
-            let places = smoothed(&self.mesh, &self.geometry, &charts, &SmoothParams::default())?;
+    /// Goes on to what follows, where a stage is over.
+    fn next_stage(&mut self) -> Result<(), SolveError> {
+        let number = self.number();
+        self.after[number] = Some((self.count(), self.seam()));
+        if let Stage::Smooth(flow) = &self.stage {
+            let places = flow.state().positions.clone();
             self.merged_on = Arc::new(Geometry::measure(&self.mesh, places));
+        } else {
+            self.charts = Rc::new(self.face_charts().to_vec());
         }
-        self.charts = Rc::new(charts);
-        let flow = MergeFlow::new(
-            self.mesh.clone(),
-            self.merged_on.clone(),
-            &self.charts,
-            self.plan.merge,
-            self.wishes(),
-        )?;
-        self.stage = Stage::Merge(flow);
+        let (mesh, geometry) = (self.mesh.clone(), self.geometry.clone());
+        self.stage = if number < 1 && self.plan.tightens {
+            let params = RefineParams::default();
+            let prices = &self.plan.factors;
+            let flow = RefineFlow::new(mesh.clone(), &geometry, &self.charts, params, prices)?;
+            let charts = &flow.state().face_charts;
+            let gate = ChartGate::new(mesh, geometry, charts, &self.plan.merge);
+            Stage::Tighten(flow, Box::new(gate))
+        } else if number < 2 && self.plan.smooths {
+            let params = DenoiseParams::default();
+            Stage::Smooth(DenoiseFlow::new(mesh, &geometry, &self.charts, params)?)
+        } else {
+            let on = self.merged_on.clone();
+            let flow = MergeFlow::new(mesh, on, &self.charts, self.plan.merge, self.wishes())?;
+            Stage::Merge(Box::new(flow))
+        };
         Ok(())
     }
 }
 
 impl Developable {
-    /// What is needed to come back.
+    /// What is needed to come back; the same one as long as nothing has changed.
     pub fn checkpoint(&self) -> Option<DevelopCheckpoint> {
-        match &self.run {
-            Some(run) => Some(DevelopCheckpoint {
-                plan: run.plan.clone(),
-                hands: run.hands.clone(),
-                steps: run.steps,
-            }),
-            None => self.saved.clone(),
+        let Some(run) = &self.run else { return self.saved.clone() };
+        let mut kept = self.kept.borrow_mut();
+        let is_same = |c: &&DevelopCheckpoint| {
+            c.0.steps == run.steps && c.0.plan == run.plan && c.0.hands == run.hands
+        };
+        if kept.as_ref().filter(is_same).is_none() {
+            *kept = Some(DevelopCheckpoint(Rc::new(run.clone())));
         }
+        kept.clone()
     }
 
     /// Where to go on from.
     pub fn put_back(&mut self, checkpoint: Option<DevelopCheckpoint>) {
-        self.hands = checkpoint.as_ref().map(|c| c.hands.clone()).unwrap_or_default();
+        self.hands = checkpoint.as_ref().map(|c| c.0.hands.clone()).unwrap_or_default();
         self.saved = checkpoint;
-    }
-
-    /// What of an earlier state of the same surface stays: a run that is where this one goes back to.
-    pub fn keep(&mut self, old: Self) {
-        let Some(saved) = &self.saved else { return };
-        let is_there = |run: &Run| {
-            run.plan == saved.plan && run.hands == saved.hands && run.steps == saved.steps
-        };
-        if let Some(run) = old.run.filter(is_there) {
-            self.run = Some(run);
-            self.saved = None;
-        }
     }
 
     /// The pieces as the start of a cut flow: every vertex has the piece of most of the area about it.
@@ -275,7 +269,8 @@ impl Developable {
     pub fn stage(&self) -> Option<&'static str> {
         Some(match self.run.as_ref()?.stage {
             Stage::Vsa(_) => "vsa",
-            Stage::Tighten(_) => "refine",
+            Stage::Tighten(..) => "refine",
+            Stage::Smooth(_) => "denoise",
             Stage::Merge(_) => "merge",
         })
     }
@@ -304,7 +299,9 @@ impl Developable {
 
     /// The opened patches with the very maps that they were accepted with, where merging is over.
     pub fn maps(&self) -> Option<(CutMesh, OpenedMesh, Flattening)> {
-        let Stage::Merge(flow) = &self.run.as_ref()?.stage else { return None };
+        // Maps of a surface with smoothed borders are not true to the surface itself.
+        let run = self.run.as_ref().filter(|run| !run.plan.smooths)?;
+        let Stage::Merge(flow) = &run.stage else { return None };
         let cut = flow.cut_mesh();
         let (opened, _, flattening) = flow.flattening().ok()?;
         Some((cut, opened, flattening))
@@ -316,12 +313,9 @@ impl Segmentation for Developable {
         let wrong = |error| Problem::solve(&inputs.surface.name, &error);
         let plan = plan(inputs);
         plan.vsa.validate().and_then(|()| plan.merge.validate()).map_err(wrong)?;
-        if let Some(saved) = self.saved.take() {
-            let mut run = Run::new(inputs.surface, saved.plan, saved.hands).map_err(wrong)?;
-            while run.steps < saved.steps && run.status() == Status::Running {
-                run.step().map_err(wrong)?;
-            }
-            self.run = Some(run);
+        let is_back = self.saved.is_some();
+        if let Some(DevelopCheckpoint(saved)) = self.saved.take() {
+            self.run = Some((*saved).clone());
         }
         let Some(run) = self.run.as_mut().filter(|run| keeps_charts(&run.plan, &plan)) else {
             let run = Run::new(inputs.surface, plan, self.hands.clone()).map_err(wrong)?;
@@ -330,7 +324,7 @@ impl Segmentation for Developable {
         };
         let has_changed = run.plan != plan || run.hands != self.hands;
         if !has_changed {
-            return Ok(false);
+            return Ok(is_back);
         }
         let is_merge = run.plan.merge != plan.merge;
         let is_wish = run.hands != self.hands || run.plan.kept != plan.kept;
@@ -373,11 +367,13 @@ impl Segmentation for Developable {
         let pieces = plural(run.count(), "piece");
         match &run.stage {
             Stage::Vsa(_) => format!("{pieces}, growing"),
-            Stage::Tighten(flow) => {
-                format!("seam {} of {} tightened", flow.state().tried, flow.pair_count())
+            Stage::Tighten(flow, _) => {
+                format!("{pieces}, {} moved", plural(flow.state().moved, "seam"))
             }
+            Stage::Smooth(_) => format!("{pieces}, smoothing seams"),
             Stage::Merge(flow) => match flow.state().phase {
                 MergePhase::Merging => format!("{pieces}, merging"),
+                MergePhase::Improving => format!("{pieces}, trying to do without some"),
                 MergePhase::Zipping => format!("{pieces}, closing darts that are not needed"),
                 MergePhase::Checking | MergePhase::Done => format!("{pieces}, checking all"),
             },
@@ -469,14 +465,14 @@ impl Segmentation for Developable {
     fn told(&self) -> Option<Event> {
         let run = self.run.as_ref()?;
         let now = Some((run.count(), run.seam()));
-        let number = match run.stage {
-            Stage::Vsa(_) => 0,
-            Stage::Tighten(_) => 1,
-            Stage::Merge(_) => 2,
-        };
+        let number = run.number();
         let is_running = run.status() == Status::Running;
-        let labels =
-            [("First pieces", true), ("Tighter seams", run.plan.tightens), ("Merged", true)];
+        let labels = [
+            ("First pieces", true),
+            ("Tighter seams", run.plan.tightens),
+            ("Smooth seams", run.plan.smooths),
+            ("Merged", true),
+        ];
         let stage = |(i, (label, _)): (usize, &(&str, bool))| {
             let numbers = if i == number { now } else { run.after[i] };
             DevelopStage {
