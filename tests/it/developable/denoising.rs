@@ -11,8 +11,8 @@ fn denoise(shape: &Shape, charts: &[u32], params: DenoiseParams) -> DenoiseState
     let mut flow = DenoiseFlow::new(shape.0.clone(), &shape.1, charts, params).unwrap();
     let mut last = flow.state().energy;
     while flow.step().unwrap().status == Status::Running {
-        // Summed in one order, falling from sweep to sweep.
-        assert!(flow.state().energy <= last * (1.0 + 1e-12));
+        // Some hundred squares of rounding are noise.
+        assert!(flow.state().energy <= last * (1.0 + 1e-12) + 1e-28);
         last = flow.state().energy;
     }
     flow.state().clone()

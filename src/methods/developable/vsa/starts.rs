@@ -11,9 +11,9 @@ use crate::mesh::{FaceId, Mesh};
 /// **Costs** O(F) each.
 pub fn start_faces(mesh: &Mesh, geometry: &Geometry, first: FaceId, count: usize) -> Vec<FaceId> {
     let centre = |f: FaceId| {
-        mesh.face_vertices(f).iter().fold(Vector3::zeros(), |sum, v| {
-            sum + geometry.positions[v.index()].coords / 3.0
-        })
+        mesh.face_vertices(f)
+            .iter()
+            .fold(Vector3::zeros(), |sum, v| sum + geometry.positions[v.index()].coords / 3.0)
     };
     let mut nearest = vec![f64::INFINITY; mesh.face_count()];
     let mut starts = Vec::new();
