@@ -33,7 +33,7 @@ fn roof(noise: impl Fn(f64) -> [f64; 2]) -> (Shape, Vec<u32>, u32) {
 #[test]
 fn a_zigzag_across_a_ridge_becomes_its_line() {
     let (shape, charts, columns) =
-        roof(|k| if k as u32 % 2 == 0 { [0.02, 0.015] } else { [-0.02, -0.015] });
+        roof(|k| if (k as u32).is_multiple_of(2) { [0.02, 0.015] } else { [-0.02, -0.015] });
     let ridge: Vec<usize> = (0..=12).map(|j| (j * columns + 6) as usize).collect();
     // How far the vertices are from the straight line through the ridge's ends on average.
     let spread = |positions: &[nalgebra::Point3<f64>]| {

@@ -291,7 +291,12 @@ fn first_charts(
     seed_face: FaceId,
     strokes: &[Option<u32>],
 ) -> VsaState {
-    let labels: Vec<u32> = strokes.iter().map(|s| s.map_or(0, |s| s.saturating_add(1))).collect();
+    // Unpainted faces count as one label more, before all others.
+    let mut names: Vec<Option<u32>> = strokes.to_vec();
+    names.sort_unstable();
+    names.dedup();
+    let labels: Vec<u32> =
+        strokes.iter().map(|s| small(names.partition_point(|name| name < s))).collect();
     let (pieces, count) = connected_charts(mesh, &labels);
     let mut numbers = vec![NONE; count];
     let mut state = VsaState { face_charts: vec![NONE; labels.len()], ..VsaState::default() };
