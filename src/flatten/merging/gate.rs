@@ -47,6 +47,16 @@ impl ChartGate {
         gate
     }
 
+    /// How many charts are within the limits.
+    pub fn flat_charts(&self) -> usize {
+        self.is_flat.iter().filter(|&&is_flat| is_flat).count()
+    }
+
+    /// Σ A_abs · area over the charts; those that are not within the limits count with all their area.
+    pub fn cost(&self) -> f64 {
+        self.costs.iter().fold(0.0, |sum, cost| sum + cost)
+    }
+
     /// Whether the charts of a pair may become what they are in `face_charts`; if so they are remembered. **Costs** two trials.
     pub fn accepts(&mut self, face_charts: &[u32], pair: [u32; 2]) -> bool {
         let mesh = self.bench.mesh.clone();

@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use cutflow::geometry::Geometry;
 use cutflow::mesh::{FaceId, Mesh};
-use cutflow::methods::developable::{SeamMeasure, VsaFlow, VsaParams, VsaPhase, seam_curves};
+use cutflow::methods::developable::{
+    SeamMeasure, VsaFlow, VsaParams, VsaPhase, seam_curves, start_faces,
+};
 use cutflow::methods::flow::{SolveError, Status};
 use nalgebra::Point3;
 
@@ -127,7 +129,7 @@ fn every_component_and_every_part_of_a_stroke_begins_a_chart() {
 
     // One label in two parts on the first sheet, another on the second.
     let mut strokes = vec![None; mesh.face_count()];
-    (strokes[0], strokes[5], strokes[8]) = (Some(4), Some(4), Some(9));
+    (strokes[0], strokes[5], strokes[8]) = (Some(0), Some(0), Some(u32::MAX));
     let flow = VsaFlow::from_strokes(mesh.clone(), geometry, with(0.005), &strokes).unwrap();
     let state = flow.state();
     assert_eq!(assert_complete(&mesh, &state.face_charts), 4);
@@ -148,13 +150,15 @@ fn labels_for_all_faces_are_charts_to_go_on_from() {
     // Fewer charts allowed: pairs are joined.
     flow.set_params(VsaParams { max_charts: 20, ..params }).unwrap();
     finish(&mut flow);
-    assert_eq!(assert_complete(mesh, &flow.state().face_charts), 20);
+    let count = assert_complete(mesh, &flow.state().face_charts);
+    assert!((2..=20).contains(&count) && flow.state().worst <= 0.05, "{count}");
 }
 
 #[test]
 fn a_run_repeats_bit_for_bit_descends_goes_on_from_a_checkpoint_and_ends_quietly() {
     let (mesh, geometry) = shape(Surface::sphere(9));
-    let params = with(0.004);
+    // A patch of area a of a sphere of area 1 has the error a², so that there are more than 1/√ε.
+    let params = with(0.0008);
     let new = || VsaFlow::new(mesh.clone(), geometry.clone(), params).unwrap();
     let (mut whole, mut errors, mut total) = (new(), vec![f64::INFINITY], 0);
     while whole.status() == Status::Running {

@@ -11,8 +11,8 @@ fn denoise(shape: &Shape, charts: &[u32], params: DenoiseParams) -> DenoiseState
     let mut flow = DenoiseFlow::new(shape.0.clone(), &shape.1, charts, params).unwrap();
     let mut last = flow.state().energy;
     while flow.step().unwrap().status == Status::Running {
-        // Summed in one order, falling from sweep to sweep.
-        assert!(flow.state().energy <= last * (1.0 + 1e-12));
+        // Some hundred squares of rounding are noise.
+        assert!(flow.state().energy <= last * (1.0 + 1e-12) + 1e-28);
         last = flow.state().energy;
     }
     flow.state().clone()
@@ -33,7 +33,7 @@ fn roof(noise: impl Fn(f64) -> [f64; 2]) -> (Shape, Vec<u32>, u32) {
 #[test]
 fn a_zigzag_across_a_ridge_becomes_its_line() {
     let (shape, charts, columns) =
-        roof(|k| if k as u32 % 2 == 0 { [0.02, 0.015] } else { [-0.02, -0.015] });
+        roof(|k| if (k as u32).is_multiple_of(2) { [0.02, 0.015] } else { [-0.02, -0.015] });
     let ridge: Vec<usize> = (0..=12).map(|j| (j * columns + 6) as usize).collect();
     // How far the vertices are from the straight line through the ridge's ends on average.
     let spread = |positions: &[nalgebra::Point3<f64>]| {

@@ -1,5 +1,6 @@
 //! Seams along minimum cuts: cheapest against trying all, creases, prices, the gate, the contract.
 
+use cutflow::flatten::merging::{ChartGate, MergeParams};
 use cutflow::geometry::Geometry;
 use cutflow::mesh::{FaceId, Mesh};
 use cutflow::methods::developable::{
@@ -59,6 +60,7 @@ fn cost((mesh, geometry): &Shape, labels: &[u32], prices: &[f64]) -> f64 {
 #[test]
 fn the_seam_is_the_cheapest_of_all() {
     let mut state = 7u64;
+    let mut hits = 0;
     for trial in 0..20 {
         // Columns 0 and 4 stay; between them are 12 faces in two rows, which are tried in all ways.
         let surface = sheet(5, 2, |x, y| [x, y, 0.0]);
@@ -97,7 +99,9 @@ fn the_seam_is_the_cheapest_of_all() {
         let is_least = (found - least).abs() < 1e-7 * least;
         assert!(is_least || refined.refused > 0, "trial {trial}: {found} {least}");
         assert!(found <= cost(&surface, &labels, &prices));
+        hits += usize::from(is_least);
     }
+    assert!(hits >= 15, "{hits}");
 }
 
 /// How many rings of faces a face is away from the seam between two labels.
@@ -209,6 +213,37 @@ fn what_the_gate_refuses_is_not_done() {
         // Rounding of a difference of areas.
         assert!(2.0 * (area - sum.norm()) <= tolerance * geometry.total_area() + 1e-14);
     }
+}
+
+#[test]
+fn behind_the_gate_charts_flatten_as_well_as_before_and_without_it_they_do_not() {
+    let surface = shape(Surface::sample("torus"));
+    let (mesh, geometry) = &surface;
+    let vsa = approximate(&surface, VsaParams { tolerance: 0.002, ..VsaParams::default() });
+    let gate = |charts: &[u32]| {
+        ChartGate::new(mesh.clone(), geometry.clone(), charts, &MergeParams::default())
+    };
+    let labels = &vsa.state().face_charts;
+    let mut flow =
+        RefineFlow::new(mesh.clone(), geometry, labels, RefineParams::default(), &[]).unwrap();
+    let mut keeper = gate(&flow.state().face_charts);
+    let (flat, cost) = (keeper.flat_charts(), keeper.cost());
+    while flow.step_if(&mut |charts, pair| keeper.accepts(charts, pair)).unwrap().status
+        == Status::Running
+    {}
+    let (mesh_charts, length) = (flow.state().face_charts.clone(), flow.state().length);
+    assert!(flow.state().moved > 3 && flow.state().refused > 0);
+    assert!(keeper.flat_charts() >= flat && keeper.cost() <= cost);
+    // What it remembers is what is there.
+    let again = gate(&mesh_charts);
+    assert_eq!(again.flat_charts(), keeper.flat_charts());
+    // The same maps, summed in the same order.
+    assert!((again.cost() - keeper.cost()).abs() < 1e-9 * cost);
+
+    let open = refine(&surface, labels, RefineParams::default(), &[]);
+    let ungated = gate(&open.face_charts);
+    assert!(open.length < length, "more seams move");
+    assert!(ungated.cost() > keeper.cost(), "{} {}", ungated.cost(), keeper.cost());
 }
 
 #[test]

@@ -4,7 +4,8 @@
 //! E = Σ a |n − N|² (the metric L^{2,1}), least for N = Σ a n / |Σ a n|, where it is 2 (Σ a − |Σ a n|). Looked for are few connected charts
 //! with E ≤ ε A each, A the surface's area. From one chart on, the worst face of the worst chart begins a new one, which takes faces
 //! from its neighbours by *flooding*: faces join one by one the chart beside them that they fit best. From time to time the pair of charts that costs
-//! least is joined and its plane used where the error is largest (a *teleport*); in the end all charts are flooded together.
+//! least is joined and its plane used where the error is largest (a *teleport*); in the end all charts are flooded together, and those that lie in one
+//! plane are joined.
 //!
 //! Only a new chart and those about the one that it came from are flooded; charts farther away would hardly change, and the time of an insertion is
 //! that of its neighbourhood.
@@ -29,6 +30,9 @@ pub use starts::start_faces;
 
 /// Floods in the end must lower the error by this fraction to count: less is rounding.
 const GAIN: f64 = 1e-12;
+
+/// Pairs whose union has this fraction of the surface's area more error lie in one plane, and are joined in the end.
+const COPLANAR: f64 = 1e-9;
 
 /// Charts about planes, one bounded step at a time.
 ///
@@ -216,10 +220,20 @@ impl VsaFlow {
 
     /// Joins the pair that costs least, if the tolerance lets it or there are too many.
     fn merge(&mut self) -> bool {
-        let state = &self.progress.state;
         let limit = self.params.tolerance * self.faces.total_area;
-        let too_many = state.charts.len() > self.params.max_charts;
-        let pair = self.faces.cheapest_pair(state, |_, error| too_many || error <= limit);
+        let too_many = self.progress.state.charts.len() > self.params.max_charts;
+        self.join_cheapest(|_, error| too_many || error <= limit)
+    }
+
+    /// Joins two charts that lie in one plane.
+    fn tidy(&mut self) -> bool {
+        let limit = self.params.tolerance * self.faces.total_area;
+        let nothing = COPLANAR * self.faces.total_area;
+        self.join_cheapest(|increase, error| increase <= nothing && error <= limit)
+    }
+
+    fn join_cheapest(&mut self, may: impl Fn(f64, f64) -> bool) -> bool {
+        let pair = self.faces.cheapest_pair(&self.progress.state, may);
         let Some([a, b]) = pair else { return false };
         let state = &mut self.progress.state;
         self.faces.join(state, [a, b]);
@@ -252,6 +266,9 @@ impl VsaFlow {
             self.progress.polished += 1;
             return;
         }
+        if self.tidy() {
+            return;
+        }
         let state = &mut self.progress.state;
         let is_met = state.worst <= self.params.tolerance;
         if is_met || state.charts.len() >= self.params.max_charts {
@@ -275,7 +292,12 @@ fn first_charts(
     seed_face: FaceId,
     strokes: &[Option<u32>],
 ) -> VsaState {
-    let labels: Vec<u32> = strokes.iter().map(|s| s.map_or(0, |s| s.saturating_add(1))).collect();
+    // Unpainted faces count as one label more, before all others.
+    let mut names: Vec<Option<u32>> = strokes.to_vec();
+    names.sort_unstable();
+    names.dedup();
+    let labels: Vec<u32> =
+        strokes.iter().map(|s| small(names.partition_point(|name| name < s))).collect();
     let (pieces, count) = connected_charts(mesh, &labels);
     let mut numbers = vec![NONE; count];
     let mut state = VsaState { face_charts: vec![NONE; labels.len()], ..VsaState::default() };

@@ -25,7 +25,7 @@ pub struct VsaParams {
 impl Default for VsaParams {
     fn default() -> Self {
         Self {
-            tolerance: 0.005,
+            tolerance: 0.002,
             max_charts: 2000,
             lloyd: 3,
             final_iterations: 20,
