@@ -317,6 +317,7 @@ const IDS: &[&str] = &[
     "patch_limit",
     "darts",
     "merge_strategy",
+    "improvements",
     "seam_price",
 ];
 

@@ -26,6 +26,9 @@ use crate::methods::developable::{
 };
 use crate::methods::flow::{Flow, SolveError, Status};
 
+/// How far beyond the tolerance moved borders may take a first piece. Without bound borders become much smoother and pieces do not flatten any more.
+const SLACK: f64 = 1.2;
+
 /// Paint from which a place counts as painted.
 const PAINTED: f64 = 0.5;
 
@@ -222,7 +225,9 @@ impl Run {
         }
         let (mesh, geometry) = (self.mesh.clone(), self.geometry.clone());
         self.stage = if number < 1 && self.plan.tightens {
-            let params = RefineParams::default();
+            // Pieces may lose a little of their flatness for better borders.
+            let tolerance = SLACK * self.plan.vsa.tolerance;
+            let params = RefineParams { tolerance, ..RefineParams::default() };
             let prices = &self.plan.factors;
             let flow = RefineFlow::new(mesh.clone(), &geometry, &self.charts, params, prices)?;
             let charts = &flow.state().face_charts;
@@ -527,6 +532,7 @@ fn plan(inputs: &Inputs) -> Plan {
             area_limit: settings.number("area_limit") / 100.0,
             l2_limit: settings.number("stretch_limit"),
             darts: super::super::params::whole(settings.number("darts")),
+            improvements: super::super::params::whole(settings.number("improvements")),
             max_patch_area: settings.number("patch_limit") / 100.0,
             ..MergeParams::default()
         },

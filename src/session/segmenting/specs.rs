@@ -71,7 +71,7 @@ fn phase_solver() -> Vec<ParamSpec> {
 pub fn develop_specs() -> Vec<ParamSpec> {
     let (charts, merging) = ("Flat pieces", "Merging");
     vec![
-        number("vsa_tolerance", "Flatness", "", "", [0.0005, 0.1, 0.0001], 0.008,
+        number("vsa_tolerance", "Flatness", "", "", [0.0005, 0.1, 0.0001], 0.002,
             "How far normals of a first piece may be from their mean: squared difference times area, as a fraction of the surface. Smaller means more pieces to merge from.")
             .group(charts).logarithmic(),
         switch(charts, "min_cut", "Tighten seams", true,
@@ -101,6 +101,9 @@ pub fn develop_specs() -> Vec<ParamSpec> {
             &[("best", "Best first"), ("paper", "Smallest area first (paper)")],
             "Best first tries all borders of two pieces together, least change of area for the longest seam first, until nothing more fits. The paper's way passes once.")
             .advanced(),
+        number("improvements", "Improve", "", "rounds", [0.0, 3.0, 1.0], 1.0,
+            "Afterwards each piece in turn is taken apart and its parts are merged with its neighbours: kept where that takes fewer pieces or less seam.")
+            .group(merging).integer().advanced(),
         number("seam_price", "Hide seams", "", "", [0.0, 50.0, 0.5], 5.0,
             "How many times its length more a seam costs where Hide is painted, or where it would be seen.")
             .group(merging).advanced(),
