@@ -65,6 +65,7 @@ const WORDS = {
     label: "Developable patches",
     learn: "How patches grow that nearly lie flat",
     sheet: { energy: "Seam", pieces: "Pieces" },
+    plot: "Seam, √A",
     empty: "uncut",
     hide: ["Hide seams from here", "Hide seams from here: seams shall cost more wherever this view sees them"],
     hidden: ["penalty", "Seams now cost more where this view sees them. Reset and Run find others."],
@@ -222,7 +223,11 @@ const views = new Views(stages, {
   },
 });
 
-const texture = textureTool(views, flatView.querySelector(".weave"), (event) => handlers.error(event));
+const texture = textureTool(views, flatView.querySelector(".weave"), {
+  refuse: (event) => handlers.error(event),
+  // A field would hide the textures of the charts.
+  atlas: () => showField("pieces"),
+});
 
 const brush = brushPanel(
   views,
@@ -477,6 +482,8 @@ function toMethod(id) {
   byId("hide-seams").setAttribute("aria-label", hide[0]);
   byId("hide-seams").title = hide[1];
   sheet.name(names);
+  byId("energy").querySelector("h3").textContent = names.energy;
+  plot.call(words().plot ?? "Total J");
   cones.show(isCones);
   exports.setMethod(id);
   learn.setMethod(id, words().learn);

@@ -36,6 +36,7 @@ function label(tick) {
 export function energyPlot(host) {
   let points = [];
   let size = { width: 0, height: 0 };
+  let name = "Total J";
   const svg = s("svg", { role: "img", "aria-label": "Energy" });
   const hint = h("p", { class: "muted" }, "The energy of each step of a run appears here.");
   host.append(svg, hint);
@@ -53,7 +54,7 @@ export function energyPlot(host) {
     if (points.length === 0 || width < 80 || height < 60) return;
 
     const last = points.at(-1);
-    const names = ["Total J", ...last.terms.map((term) => term.name)];
+    const names = [name, ...last.terms.map((term) => term.name)];
     const value = (point, line) => (line === 0 ? point.total : (point.terms[line - 1]?.value ?? 0));
     const labels = Math.min(154, width * 0.42);
     const right = width - labels;
@@ -101,6 +102,11 @@ export function energyPlot(host) {
     add(point) {
       points = points.filter(({ step }) => step < point.step && point.step > 0);
       points.push(point);
+      redraw();
+    },
+    /** Takes what the sum of all terms is called. */
+    call(text) {
+      name = text;
       redraw();
     },
     /** Another mesh: its energies are yet to come. */

@@ -12,9 +12,9 @@ const [KEY, LAST_KEY, ATLAS_KEY] = ["texture", "texture.last", "atlas"];
 
 /**
  * @param host says how large the cells are
- * @param refuse takes an `error` event
+ * @param on `refuse(event)` takes an `error` event, `atlas()` is called when overlapping charts are to be seen
  */
-export function textureTool(views, host, refuse) {
+export function textureTool(views, host, on) {
   const button = byId("checkerboard");
   const select = byId("texture");
   const input = byId("texture-image");
@@ -53,7 +53,7 @@ export function textureTool(views, host, refuse) {
       hasImage = true;
       choose("image");
     } catch (reason) {
-      refuse({
+      on.refuse({
         what: `${file.name} is no image that this browser can read.`,
         where: String(reason?.message ?? reason),
         what_to_do: "Choose a PNG, JPEG, WebP, GIF or AVIF file.",
@@ -89,6 +89,7 @@ export function textureTool(views, host, refuse) {
   atlas.addEventListener("change", () => {
     remember(ATLAS_KEY, atlas.value);
     views.setLayers(atlas.value);
+    if (atlas.value !== "pieces") on.atlas();
   });
   apply();
 

@@ -133,7 +133,7 @@ impl Run {
         Ok(run)
     }
 
-    /// Adds the present state to the curve.
+    /// Adds the present state to the curve: the length of all seams, and how many pieces there are.
     fn tell(&mut self) {
         let pieces = self.count() as f64;
         let seam = self.seam();

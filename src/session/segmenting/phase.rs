@@ -118,7 +118,7 @@ impl PhaseField {
     }
 
     fn start(&mut self, flow: PhaseFieldFlow) {
-        self.curve = vec![first_point(&flow)];
+        self.curve = vec![point(&flow)];
         self.measures.clear();
         self.flow = Some(flow);
     }
@@ -223,7 +223,7 @@ impl Segmentation for PhaseField {
                 self.measures.clear();
                 if self.flow.as_ref().is_some_and(|flow| flow.steps() == 0) {
                     // Nothing has run yet: the curve begins with what it would be now.
-                    self.curve = self.flow.iter().map(first_point).collect();
+                    self.curve = self.flow.iter().map(point).collect();
                 }
                 self.measure(None).map_err(wrong)?;
                 Ok(true)
@@ -246,8 +246,8 @@ impl Segmentation for PhaseField {
         let wrong = |error| Problem::solve(&inputs.surface.name, &error);
         let Some(flow) = &mut self.flow else { return Ok(()) };
         let before = flow.current().map(|(node, _)| node);
-        let report = flow.step().map_err(wrong)?;
-        self.curve.push(point(report.step, &report.energy));
+        flow.step().map_err(wrong)?;
+        self.curve.push(point(flow));
         self.measure(before).map_err(wrong)
     }
 
@@ -388,35 +388,21 @@ fn params(inputs: &Inputs) -> PhaseFieldParams {
     }
 }
 
-/// The energy of the start.
-fn first_point(flow: &PhaseFieldFlow) -> Event {
-    let node = flow.current().map_or(0, |(node, _)| node);
-    let segment = &flow.state().tree()[node];
-    let (terms, omega) = (&segment.terms, flow.params().omega);
-    let energy = [
-        ("objective", segment.objective),
-        ("perimeter", terms.perimeter),
-        ("outside", terms.penalty),
-        (
-            "connectedness",
-            segment.objective - terms.perimeter - terms.penalty - omega * terms.yamabe,
-        ),
-        ("distortion", omega * terms.yamabe),
-    ];
-    point(0, &energy)
-}
-
-/// A point of the plot.
-fn point(step: usize, energy: &[(&'static str, f64)]) -> Event {
-    let value = |id: &str| energy.iter().find(|(known, _)| *known == id).map_or(0.0, |(_, x)| *x);
+/// The objective of all divisions so far, the one under way included.
+fn point(flow: &PhaseFieldFlow) -> Event {
+    let divided = || flow.state().tree().iter().filter(|node| node.children.is_some());
+    let total: f64 = divided().map(|node| node.objective).sum();
+    let interface: f64 = divided().map(|node| node.terms.perimeter + node.terms.penalty).sum();
+    let yamabe: f64 = divided().map(|node| node.terms.yamabe).sum();
+    let distortion = flow.params().omega * yamabe;
     let term = |name: &str, value: f64| Term { name: name.into(), value };
     Event::Energy {
-        step,
-        total: value("objective"),
+        step: flow.steps(),
+        total,
         terms: vec![
-            term("Interface P", value("perimeter") + value("outside")),
-            term("Distortion ωJ", value("distortion")),
-            term("Connectedness", value("connectedness")),
+            term("Interface P", interface),
+            term("Distortion ωJ", distortion),
+            term("Connectedness", total - interface - distortion),
         ],
     }
 }

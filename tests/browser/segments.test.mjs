@@ -1,0 +1,113 @@
+// Phase fields and developable patches as a person meets them: run, look at a segment, divide further, sew pieces, go on with the
+// cut flow, take files away. The engine is the same under either backend; the views of layers are tested beside the textures.
+
+import assert from "node:assert/strict";
+import { after, before, describe, it } from "node:test";
+
+import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { ellipsoid, parseObj, uvAreas } from "./meshes.mjs";
+import { Page } from "./page.mjs";
+
+/** 642 vertices. */
+const MESH = ellipsoid(3);
+const [renderer] = RENDERERS;
+
+describe("segmentations", { timeout: 600_000 }, () => {
+  let browser, page;
+  before(async () => {
+    browser = await open(renderer);
+    page = new Page(browser.page);
+    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
+    await page.dropFile("ellipsoid.obj", MESH);
+    await page.status(/^Ready/);
+  });
+  after(() => browser?.close());
+
+  const tab = (name) => browser.page.getByRole("tab", { name, exact: true });
+  const label = (name) => browser.page.getByLabel(name, { exact: true });
+  const items = () => browser.page.getByRole("treeitem");
+  const pieces = () => browser.page.getByRole("table", { name: "Pieces" }).locator("tbody tr").count();
+  const resting = async () => {
+    await page.status(/^(Converged after|Paused at|Error)/);
+    await browser.page.waitForTimeout(400);
+    assert.match(await browser.page.getByRole("status").textContent(), /^Converged after \d+ steps/);
+  };
+
+  it("divides a mesh in four, and shows the tree", async () => {
+    await tab("Phase field").click();
+    await page.status(/^Ready/);
+    await page.press("Run");
+    await resting();
+    assert.equal(await items().count(), 7);
+    assert.equal(await pieces(), 4);
+    const shares = await items().locator(".muted").allTextContents();
+    assert.deepEqual(shares.slice(1, 3).map(parseFloat), [50, 25]);
+    await screenshot(browser.page, "segments");
+  });
+
+  it("shows the segment that is clicked", async () => {
+    await items().nth(1).click();
+    await browser.page.waitForFunction(() => document.querySelector("select.overlay").value === "weight");
+    assert.equal(await items().nth(1).getAttribute("aria-selected"), "true");
+    assert.match(await browser.page.locator(".hierarchy .fine").textContent(), /^Segment 1, 50\.0\u202f% of the area/);
+  });
+
+  it("divides further when more levels are asked for, and takes it back", async () => {
+    await label("Levels").first().fill("3");
+    await browser.page.waitForFunction(() => document.querySelectorAll("[role=treeitem]").length === 15);
+    await resting();
+    await page.press("Undo");
+    await browser.page.waitForFunction(() => document.querySelectorAll("[role=treeitem]").length === 7);
+  });
+
+  it("blends textures over the overlaps when asked to", async () => {
+    await label("Atlas").selectOption("blended");
+    await browser.page.waitForFunction(() => document.querySelector("select.overlay").value === "pieces");
+    await label("Texture").selectOption("marble");
+    await browser.page.waitForTimeout(500);
+    await screenshot(browser.page, "atlas");
+    await label("Atlas").selectOption("pieces");
+  });
+
+  it("exports segments as every other cut", async () => {
+    const flat = parseObj(await page.export("UV mesh (OBJ)"));
+    assert.deepEqual(flat.vertices.slice(0, 642), parseObj(MESH).vertices);
+    assert.ok(uvAreas(flat).every((area) => area > 0));
+    const report = JSON.parse(await page.export("Report (JSON)"));
+    assert.equal(report.phasefield.components, 4);
+  });
+
+  it("goes on with the cut flow from there", async () => {
+    await page.press("Improve by the cut flow");
+    await browser.page.waitForFunction(() => document.documentElement.dataset.method === "cutflow");
+    assert.equal(await pieces(), 4);
+    await page.press("Step");
+    await page.status(/^Paused at step 1\b/);
+  });
+
+  it("parts a mesh into patches that nearly lie flat, stage by stage", async () => {
+    await tab("Developable patches").click();
+    await page.status(/^Ready/);
+    await page.press("Run");
+    await resting();
+    const stages = browser.page.getByRole("table", { name: "Stages" }).locator("tbody tr");
+    const [first, , merged] = await stages.locator("td:nth-of-type(1)").allTextContents();
+    assert.ok(Number(merged) < Number(first), `${first} pieces became ${merged}`);
+    assert.equal(await pieces(), Number(merged));
+    await screenshot(browser.page, "developable");
+    const report = JSON.parse(await page.export("Report (JSON)"));
+    assert.ok(report.develop.patches.every((patch) => patch.area_change_abs <= 0.1 && !patch.overlap));
+  });
+
+  it("keeps two pieces apart that were one when limits got looser", async () => {
+    const before = await pieces();
+    await label("First piece").fill("1");
+    await label("Second piece").fill("2");
+    await page.press("Keep apart");
+    await resting();
+    assert.ok((await pieces()) >= 2, `${before} pieces`);
+    await page.press("Undo");
+    await browser.page.waitForTimeout(500);
+    assert.equal(await pieces(), before);
+  });
+});
