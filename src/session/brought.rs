@@ -26,7 +26,7 @@ use crate::mesh::VertexId;
 pub enum Brought<'a> {
     /// One number for each vertex of the file.
     Layer {
-        /// What it is: `region penalty heat pin importance unimportant cone_cost excluded`.
+        /// What it is: `region penalty heat pin importance unimportant cone_cost excluded seam_paint`.
         channel: &'a str,
         /// Labels, or amounts from 0 to 1.
         values: &'a [f64],
@@ -88,7 +88,12 @@ impl Session {
                 match channel {
                     "region" => {
                         layers.regions = Rc::new(values.iter().map(|&x| x as u32).collect());
-                        (Pending::Restart, Some("painted"))
+                        if work.method != Method::CutFlow {
+                            settings.put("phase_start", Value::Text("painted".into()));
+                            (Pending::Fields, None)
+                        } else {
+                            (Pending::Restart, Some("painted"))
+                        }
                     }
                     _ => {
                         *layers.amounts(channel) = Rc::new(values);
@@ -190,12 +195,13 @@ pub(super) fn vertex_of(surface: &Surface, x: f64, place: &str) -> Result<Vertex
 fn of_vertices(surface: &Surface, channel: &str, values: &[f64]) -> Result<Vec<f64>, Problem> {
     let most = match channel {
         "region" => 255.0,
-        "penalty" | "heat" | "pin" | "importance" | "unimportant" | "cone_cost" | "excluded" => 1.0,
+        "penalty" | "heat" | "pin" | "importance" | "unimportant" | "cone_cost" | "excluded"
+        | "seam_paint" => 1.0,
         _ => {
             return Err(Problem::new(
                 format!("“{channel}” cannot be painted."),
                 "Layers.",
-                "Choose one of region, penalty, heat, pin, importance, unimportant, cone_cost, excluded.",
+                "Choose one of region, penalty, heat, pin, importance, unimportant, cone_cost, excluded, seam_paint.",
             ));
         }
     };

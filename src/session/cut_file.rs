@@ -2,13 +2,14 @@
 
 use serde::Deserialize;
 
-use super::charting::{ChartError, Charting};
+use super::charting::{ChartError, Charting, measure_opened};
 use super::layout::Layout;
 use super::refining::Refinement;
 use super::surface::Surface;
 use super::text::Problem;
+use crate::flatten::comparison::Specimen;
 use crate::flatten::flatten_sphere;
-use crate::mesh::{CutMesh, VertexId};
+use crate::mesh::{CutMesh, MeshError, SurfacePoint, VertexId};
 use crate::methods::cutflow::labelled_cut;
 use crate::pattern;
 
@@ -116,6 +117,17 @@ pub fn sphere_obj(surface: &Surface) -> Result<Vec<u8>, Problem> {
         text += &format!("f {a} {b} {c}\n");
     }
     Ok(text.into_bytes())
+}
+
+/// A surface opened along a cut, to be flattened by several methods side by side.
+pub fn specimen(surface: &Surface, cut: Option<CutMesh>) -> Result<Specimen, Problem> {
+    let wrong = |error: MeshError| Problem::solve(&surface.name, &error.into());
+    let cut = cut.unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
+    let opened = cut.open().map_err(wrong)?;
+    let place = |&p: &SurfacePoint| surface.geometry.locate(&surface.mesh, p);
+    let points: Vec<_> = cut.points.iter().map(place).collect();
+    let geometry = measure_opened(&opened, &points);
+    Specimen::new(opened, geometry).map_err(wrong)
 }
 
 /// Flattens a surface along a cut, or along cuts to disks only. **Takes** what to even out: `none` or `dirichlet`.

@@ -106,8 +106,11 @@ impl Session {
             }
             Method::PhaseField | Method::Developable => {
                 work.first_cut_is_due = false;
-                if work.document.surface.is_some() {
-                    self.segment_prepare(events)?;
+                if work.document.surface.is_some()
+                    && let Err(problem) = self.segment_prepare(events)
+                {
+                    // The method is chosen all the same: it says what it lacks.
+                    events.push(super::error_event(problem));
                 }
             }
         }

@@ -32,14 +32,16 @@ impl Work {
                 return Ok(set.map(|set| set.u.clone()));
             }
             "phase" | "weight" | "yamabe" | "normal_error" => {
-                return Ok(self.segmentation().and_then(|segmentation| segmentation.field(id)));
+                let Some(segmentation) = self.segmentation() else { return Ok(None) };
+                let name = &self.document.name;
+                return segmentation.field(id).map_err(|error| Problem::solve(name, &error));
             }
             "seam_paint" => return Ok(layer(&self.layers.seams)),
             "phi" => return Ok(self.cones.optimum.as_ref().map(|state| state.phi.clone())),
             "regions" => {
                 // A stroke goes on from the cut that is there, unless regions were painted before.
-                let is_painted =
-                    self.settings.text("init") == "painted" && !self.layers.regions.is_empty();
+                let start = self.settings.text(super::paint::start_parameter(self.method));
+                let is_painted = start == "painted" && !self.layers.regions.is_empty();
                 let labels = match is_painted {
                     false => self.labels(),
                     true => self.layers.regions.to_vec(),

@@ -431,7 +431,7 @@ impl Layers {
 }
 
 /// The parameter that says what a method starts from.
-fn start_parameter(method: Method) -> &'static str {
+pub(super) fn start_parameter(method: Method) -> &'static str {
     if method == Method::PhaseField { "phase_start" } else { "init" }
 }
 

@@ -358,6 +358,9 @@ impl Work {
             let layout = Layout::of_maps(surface, cut, opened, flattening, packing);
             self.put_layout(layout);
             self.is_settled = true;
+            if self.start.is_none() {
+                self.start = Some(self.rows());
+            }
             self.begin_refinement();
             return Ok(());
         }

@@ -18,6 +18,7 @@ macro_rules! say {
     }};
 }
 
+mod compare;
 mod cones;
 mod cut;
 mod segment;
@@ -64,6 +65,8 @@ enum Task {
     Develop(Box<segment::DevelopArgs>),
     /// Flattens a mesh along a cut and measures the result.
     Flatten(FlattenArgs),
+    /// Flattens by several methods, and shows what each is worth and how long it takes.
+    Compare(compare::CompareArgs),
 }
 
 #[derive(Args)]
@@ -214,6 +217,7 @@ fn main() -> ExitCode {
         Task::Phasefield(args) => segment::phasefield(&args),
         Task::Develop(args) => segment::develop(&args),
         Task::Flatten(args) => flatten(&args),
+        Task::Compare(args) => compare::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -246,6 +250,7 @@ fn can_write(task: &Task) -> Result<(), Problem> {
         Task::Repair { output, report, .. } => (Some(output.as_path()), (None, report)),
         Task::Prepare(args) => (Some(args.output.as_path()), (None, &args.report)),
         Task::Flatten(args) => (Some(args.output.as_path()), (None, &args.report)),
+        Task::Compare(args) => (None, (None, &args.report)),
         Task::Cut(args) => (None, args.outputs()),
         Task::Cones(args) => (None, args.outputs()),
         Task::Phasefield(args) => (None, args.outputs()),

@@ -40,9 +40,12 @@ pub struct PhaseFieldArgs {
     /// What unconnected parts cost: ε to the power −κ.
     #[arg(long, value_name = "KAPPA")]
     kappa: Option<f64>,
-    /// Draws parts of a segment that fell apart together.
-    #[arg(long)]
+    /// Draws parts of a segment that fell apart together, which is what happens without this option too.
+    #[arg(long, conflicts_with = "unconnected")]
     connected: bool,
+    /// Leaves parts of a segment where they are.
+    #[arg(long)]
+    unconnected: bool,
     /// How much of a segment's area its first part gets, per cent.
     #[arg(long, value_name = "PERCENT")]
     fraction: Option<f64>,
@@ -213,7 +216,7 @@ pub fn phasefield(args: &PhaseFieldArgs) -> Result<(), Problem> {
         ("epsilon", number(args.epsilon)),
         ("omega", number(args.omega)),
         ("kappa", number(args.kappa)),
-        ("connected", Some(Value::Truth(args.connected))),
+        ("connected", (args.connected || args.unconnected).then_some(Value::Truth(args.connected))),
         ("fraction", number(args.fraction)),
         ("phase_start", text(start)),
         ("starts", number(args.starts)),
@@ -243,7 +246,12 @@ fn print_phase(report: &PhaseFieldReport) {
         report.perimeter,
         report.yamabe,
     );
-    for segment in &report.segments {
+    let mut segments: Vec<_> = report.segments.iter().collect();
+    // As a tree: every segment before its parts.
+    segments.sort_by_key(
+        |segment| if segment.level == 0 { String::new() } else { segment.label.clone() },
+    );
+    for segment in segments {
         let indent = 2 * segment.level + 2;
         let divided = segment.length.map_or(String::new(), |x| format!(", divided along {x:.4}"));
         say!(
@@ -277,8 +285,8 @@ pub fn develop(args: &DevelopArgs) -> Result<(), Problem> {
         ("stretch_limit", number(args.stretch)),
         ("darts", number(args.darts)),
         ("merge_strategy", text(strategy)),
-        ("denoise", Some(Value::Truth(args.denoise))),
-        ("min_cut", Some(Value::Truth(!args.no_min_cut))),
+        ("denoise", args.denoise.then_some(Value::Truth(true))),
+        ("min_cut", args.no_min_cut.then_some(Value::Truth(false))),
     ];
     let mut session = begin("developable", &args.mesh, &options, &args.common)?;
     let is_quiet = writes_to_stdout(&args.common.report);

@@ -180,6 +180,8 @@ impl MergeFlow {
 
     /// From the labels to patches of one chart each.
     fn start(&mut self) -> Result<(), SolveError> {
+        // Charts may be split another way than before: their numbers then name other faces.
+        self.rejected.clear();
         let mesh = self.bench.mesh.clone();
         let geometry = self.bench.geometry.clone();
         for e in mesh.edges() {
@@ -417,7 +419,7 @@ impl MergeFlow {
             let mut removed = self.bench.remove(&edges);
             self.bench.zip(&mut removed);
             removed.iter().for_each(|&e| self.bench.set_cut(e, true));
-            let length: f64 = removed.iter().map(|&e| self.bench.geometry.edge_length(e)).sum();
+            let length: f64 = removed.iter().map(|&e| self.priced_length(e)).sum();
             listed.push((length > 0.0).then(|| {
                 let factor = smaller / length;
                 Way {
@@ -433,6 +435,12 @@ impl MergeFlow {
             self.queue.extend(way.as_ref().map(|way| (way.rank, pair, small(i))));
         }
         self.ways.insert(pair, listed);
+    }
+
+    /// What an edge of a seam costs: its length, times its price where there is one.
+    fn priced_length(&self, e: EdgeId) -> f64 {
+        let price = self.wishes.prices.get(e.index()).copied().unwrap_or(1.0);
+        price * self.bench.geometry.edge_length(e)
     }
 
     /// Forgets the ways to merge a pair.

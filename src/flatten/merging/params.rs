@@ -108,6 +108,8 @@ pub struct MergeWishes {
     pub together: Vec<[u32; 2]>,
     /// Edges that stay cut; they need not lie between charts.
     pub kept_edges: Vec<EdgeId>,
+    /// What a seam along each edge costs beyond its length, a factor ≥ 0 for each; empty for 1. Dear seams are removed first.
+    pub prices: Vec<f64>,
     /// Where a symmetry of order two maps each vertex. Patches are then merged in both images or in neither.
     pub symmetry: Option<Vec<VertexId>>,
 }

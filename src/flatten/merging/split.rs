@@ -38,7 +38,7 @@ impl PartialOrd for Entry {
     }
 }
 
-/// Two connected halves of a connected chart, across none of whose sides in `is_barred` it goes on. None for a chart of one face.
+/// Two connected halves of a connected chart. None for a chart of one face.
 ///
 /// **Minimises**, by turns, Σ A |n − N|² over the halves, N the normalised mean normal of each. **Costs** O(F log F).
 pub fn bisect(

@@ -92,7 +92,13 @@ impl Limits {
     pub fn still_reject(&self, reject: &Reject) -> bool {
         match *reject {
             Reject::Area(change) => {
-                change > self.area * if self.wants_darts { DART_HOPE } else { 1.0 }
+                // Steps towards true lengths lower it again, and darts more so.
+                let hope = match (self.wants_darts, self.rigid_steps) {
+                    (true, _) => DART_HOPE,
+                    (false, 0) => 1.0,
+                    (false, _) => STEPS_HOPE,
+                };
+                change > self.area * hope
             }
             Reject::Stretch(stretch) => stretch > self.l2,
             _ => true,

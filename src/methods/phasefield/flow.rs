@@ -10,6 +10,7 @@ use super::params::{PhaseFieldParams, Start};
 use super::profile::indicator;
 use super::start;
 use super::state::PhaseFieldState;
+use super::terms::yamabe::Yamabe;
 use crate::geometry::Geometry;
 use crate::mesh::{CutMesh, Mesh};
 use crate::methods::cutflow::Initial;
@@ -247,6 +248,31 @@ impl PhaseFieldFlow {
     /// **Costs** one factorisation and one solve.
     pub fn measure(&self, node: usize) -> Result<PhaseMeasures, SolveError> {
         Ok(self.progress.state.measure(&self.domain, node)?)
+    }
+
+    /// Log scale factor of the flattening of both sides of a split by the diffuse problem, one value for each vertex: that of either side, held near 0 outside of it, in sum.
+    /// Zeros for a segment that is not split.
+    ///
+    /// **Costs** two factorisations and two solves.
+    pub fn scale_factors(&self, node: usize) -> Result<Vec<f64>, SolveError> {
+        let domain = &self.domain;
+        let mut sum = vec![0.0; domain.len()];
+        let Some(split) = self.progress.state.nodes.get(node).filter(|n| n.children.is_some())
+        else {
+            return Ok(sum);
+        };
+        let mut solver = Yamabe::default();
+        let (u_faces, w_faces) = (domain.face_means(&split.u), domain.face_means(&split.weight));
+        for sign in [1.0, -1.0] {
+            let indicated = |u: &[f64], w: &[f64]| -> Vec<f64> {
+                u.iter().zip(w).map(|(u, w)| w * indicator(sign * u).0).collect()
+            };
+            let y = indicated(&split.u, &split.weight);
+            let y_faces = indicated(&u_faces, &w_faces);
+            let s = solver.solve(domain, [&y, &y_faces], self.params.lambda())?;
+            sum.iter_mut().zip(s).for_each(|(sum, s)| *sum -= s);
+        }
+        Ok(sum)
     }
 
     /// The surface refined along the borders of the leaves: points `0..V` are the vertices.

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::super::message::{Event, NoticeText, Row, Term};
 use super::super::report::FlattenReport;
-use super::super::surface::Surface;
+use super::super::surface::{Surface, face_to_vertex};
 use super::super::text::{Problem, plural};
 use super::super::work::Work;
 use super::report::{DevelopReport, DevelopSeconds, PatchRow, not_divided, status_word};
@@ -62,6 +62,8 @@ pub struct Developable {
     kept: RefCell<Option<DevelopCheckpoint>>,
     /// What is asked for beside the limits, by hand.
     hands: Hands,
+    /// Whether that was given up because first pieces have changed.
+    has_dropped: bool,
 }
 
 /// What a person asks for, by the numbers of first pieces.
@@ -187,15 +189,6 @@ impl Run {
         }
     }
 
-    fn wishes(&self) -> MergeWishes {
-        MergeWishes {
-            apart: self.hands.apart.clone(),
-            together: self.hands.together.clone(),
-            kept_edges: self.plan.kept.to_vec(),
-            symmetry: None,
-        }
-    }
-
     fn step(&mut self) -> Result<(), SolveError> {
         let status = match &mut self.stage {
             Stage::Vsa(flow) => flow.step()?.status,
@@ -227,7 +220,9 @@ impl Run {
         self.stage = if number < 1 && self.plan.tightens {
             // Pieces may lose a little of their flatness for better borders.
             let tolerance = SLACK * self.plan.vsa.tolerance;
-            let params = RefineParams { tolerance, ..RefineParams::default() };
+            // Where places are to be avoided, the way around them is longer.
+            let may_lengthen = !self.plan.factors.is_empty();
+            let params = RefineParams { tolerance, may_lengthen, ..RefineParams::default() };
             let prices = &self.plan.factors;
             let flow = RefineFlow::new(mesh.clone(), &geometry, &self.charts, params, prices)?;
             let charts = &flow.state().face_charts;
@@ -238,7 +233,8 @@ impl Run {
             Stage::Smooth(DenoiseFlow::new(mesh, &geometry, &self.charts, params)?)
         } else {
             let on = self.merged_on.clone();
-            let flow = MergeFlow::new(mesh, on, &self.charts, self.plan.merge, self.wishes())?;
+            let wishes = wishes(&self.plan, &self.hands);
+            let flow = MergeFlow::new(mesh, on, &self.charts, self.plan.merge, wishes)?;
             Stage::Merge(Box::new(flow))
         };
         Ok(())
@@ -281,16 +277,8 @@ impl Developable {
     }
 
     /// Joins two pieces or keeps them apart, from the first pieces on. **Takes** a face of either.
-    ///
-    /// **Gives** whether there is something to join.
-    pub fn sew(&mut self, faces: [usize; 2], joins: bool) -> bool {
-        let Some(run) = self.run.as_ref().filter(|run| matches!(run.stage, Stage::Merge(_))) else {
-            return false;
-        };
-        let pair = faces.map(|f| run.charts[f]);
-        if pair[0] == pair[1] {
-            return false;
-        }
+    pub fn sew(&mut self, faces: [usize; 2], joins: bool) {
+        let Some(pair) = self.first_pieces(faces) else { return };
         let is_other = |other: &[u32; 2]| *other != pair && *other != [pair[1], pair[0]];
         self.hands.apart.retain(is_other);
         self.hands.together.retain(is_other);
@@ -299,7 +287,13 @@ impl Developable {
         } else {
             self.hands.apart.push(pair);
         }
-        true
+    }
+
+    /// The first pieces of two faces, where they are merged and different ones.
+    pub fn first_pieces(&self, faces: [usize; 2]) -> Option<[u32; 2]> {
+        let run = self.run.as_ref().filter(|run| matches!(run.stage, Stage::Merge(_)))?;
+        let pair = faces.map(|f| run.charts[f]);
+        (pair[0] != pair[1]).then_some(pair)
     }
 
     /// The opened patches with the very maps that they were accepted with, where merging is over.
@@ -323,8 +317,13 @@ impl Segmentation for Developable {
             self.run = Some((*saved).clone());
         }
         let Some(run) = self.run.as_mut().filter(|run| keeps_charts(&run.plan, &plan)) else {
-            let run = Run::new(inputs.surface, plan, self.hands.clone()).map_err(wrong)?;
+            // What was joined or kept apart by hand were other first pieces.
+            let had_hands = self.run.is_some() && self.hands != Hands::default();
+            let run = Run::new(inputs.surface, plan, Hands::default()).map_err(wrong)?;
+            self.hands = Hands::default();
+            self.has_dropped = had_hands;
             self.run = Some(run);
+            *self.kept.borrow_mut() = None;
             return Ok(true);
         };
         let has_changed = run.plan != plan || run.hands != self.hands;
@@ -333,20 +332,20 @@ impl Segmentation for Developable {
         }
         let is_merge = run.plan.merge != plan.merge;
         let is_wish = run.hands != self.hands || run.plan.kept != plan.kept;
-        run.plan = plan;
-        run.hands = self.hands.clone();
-        let wishes = run.wishes();
         if let Stage::Merge(flow) = &mut run.stage {
             if is_merge {
-                let change = flow.set_params(run.plan.merge).map_err(wrong)?;
+                let change = flow.set_params(plan.merge).map_err(wrong)?;
                 if change == ParamsChange::Restarted {
                     run.curve.truncate(1);
                 }
             }
             if is_wish {
-                flow.set_wishes(wishes).map_err(wrong)?;
+                flow.set_wishes(wishes(&plan, &self.hands)).map_err(wrong)?;
             }
         }
+        run.plan = plan;
+        run.hands = self.hands.clone();
+        *self.kept.borrow_mut() = None;
         Ok(true)
     }
 
@@ -424,19 +423,24 @@ impl Segmentation for Developable {
         ]
     }
 
-    fn field(&self, id: &str) -> Option<Vec<f64>> {
-        let run = self.run.as_ref()?;
-        if id != "normal_error" {
-            return None;
-        }
+    fn field(&self, id: &str) -> Result<Option<Vec<f64>>, SolveError> {
+        let Some(run) = self.run.as_ref().filter(|_| id == "normal_error") else {
+            return Ok(None);
+        };
         let errors = normal_errors(&run.mesh, &run.geometry, run.face_charts());
-        Some(super::super::surface::face_to_vertex(&run.mesh, &run.geometry, &errors))
+        Ok(Some(face_to_vertex(&run.mesh, &run.geometry, &errors)))
     }
 
     fn notes(&self) -> Vec<String> {
-        let Some(Run { stage: Stage::Merge(flow), .. }) = &self.run else { return Vec::new() };
-        let state = flow.state();
         let mut notes = Vec::new();
+        if self.has_dropped {
+            notes.push("First pieces have changed: what was joined or kept apart by hand was given up; Undo brings it back.".to_owned());
+        }
+        let Some(Run { stage: Stage::Merge(flow), plan, .. }) = &self.run else { return notes };
+        let state = flow.state();
+        if plan.smooths {
+            notes.push("Limits were tested on the surface with smooth seams; the measures are those of the surface itself.".to_owned());
+        }
         if state.splits > 0 {
             notes.push(format!(
                 "{} did not lie flat and {} divided first.",
@@ -497,6 +501,17 @@ fn keeps_charts(old: &Plan, new: &Plan) -> bool {
     let only_charts =
         |plan: &Plan| Plan { merge: MergeParams::default(), kept: Rc::default(), ..plan.clone() };
     only_charts(old) == only_charts(new)
+}
+
+/// What merging is asked for beside the limits.
+fn wishes(plan: &Plan, hands: &Hands) -> MergeWishes {
+    MergeWishes {
+        apart: hands.apart.clone(),
+        together: hands.together.clone(),
+        kept_edges: plan.kept.to_vec(),
+        prices: plan.factors.to_vec(),
+        symmetry: None,
+    }
 }
 
 /// What parameters and paint ask for.
@@ -614,7 +629,21 @@ impl Work {
                     overlap: !patch.is_flat,
                     loops: patch.loops,
                 };
-                (state.patches.iter().map(row).collect(), state.dart_length)
+                let charts = layout.measures.charts.iter().flatten();
+                let on_surface = charts.map(|m| PatchRow {
+                    faces: m.faces,
+                    area: m.area,
+                    area_change: m.area_change.abs(),
+                    area_change_abs: m.area_change_abs,
+                    l2_stretch: m.l2_stretch,
+                    overlap: m.flipped > 0 || m.overlaps > 0,
+                    loops: 1,
+                });
+                let rows = match run.plan.smooths {
+                    true => on_surface.collect(),
+                    false => state.patches.iter().map(row).collect(),
+                };
+                (rows, state.dart_length)
             }
             _ => (Vec::new(), 0.0),
         };

@@ -76,7 +76,9 @@ impl Session {
     pub(in super::super) fn segment_on(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         let Some((segmentation, inputs)) = work.segmentation_mut()? else { return Ok(()) };
-        segmentation.prepare(&inputs)?;
+        if segmentation.status().is_none() {
+            segmentation.prepare(&inputs)?;
+        }
         let told = segmentation.curve().len();
         segmentation.step(&inputs)?;
         let goes_on = segmentation.status() == Some(Status::Running);
@@ -116,9 +118,12 @@ impl Session {
         if segmentation.prepare(&inputs)? {
             events.extend(segmentation.curve().iter().cloned());
             events.extend(segmentation.told());
+            let is_start = segmentation.steps() == 0;
             work.is_settled = false;
-            work.start = None;
             work.fold = None;
+            if is_start {
+                work.start = None;
+            }
         }
         self.scene_is_new = true;
         Ok(())

@@ -88,16 +88,17 @@ impl Session {
                 "Choose two pieces of developable patches.",
             ));
         };
-        let label = if joins { "join two pieces" } else { "keep two pieces apart" };
-        self.remember(label, label);
-        if let Some(work) = &mut self.work
-            && !work.develop.sew(faces, joins)
-        {
+        if work.develop.first_pieces(faces).is_none() {
             return Err(Problem::new(
                 "These pieces cannot be sewn yet.",
                 "Join or keep apart.",
                 "Run first, then choose two different pieces.",
             ));
+        }
+        let label = if joins { "join two pieces" } else { "keep two pieces apart" };
+        self.remember(label, label);
+        if let Some(work) = &mut self.work {
+            work.develop.sew(faces, joins);
         }
         self.segment_follow(events)?;
         events.push(self.history_event());

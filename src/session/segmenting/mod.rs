@@ -19,7 +19,7 @@ use super::surface::Surface;
 use super::text::Problem;
 use super::work::Work;
 use crate::mesh::CutMesh;
-use crate::methods::flow::Status;
+use crate::methods::flow::{SolveError, Status};
 
 pub use develop::{DevelopCheckpoint, DevelopStage, DevelopTable, Developable};
 pub use phase::{PhaseCheckpoint, PhaseField};
@@ -72,8 +72,8 @@ pub(super) trait Segmentation {
     fn curve(&self) -> &[Event];
     /// Rows for the table of measures.
     fn rows(&self) -> Vec<Row>;
-    /// One value for each vertex of a field.
-    fn field(&self, id: &str) -> Option<Vec<f64>>;
+    /// One value for each vertex of a field; `None` for fields of others.
+    fn field(&self, id: &str) -> Result<Option<Vec<f64>>, SolveError>;
     /// What a person should know.
     fn notes(&self) -> Vec<String>;
     /// What a panel of its own shows.

@@ -20,11 +20,14 @@ use super::{Inputs, PhaseFieldReport, Segmentation, row};
 use crate::flatten::{Atlas, AtlasParams};
 use crate::mesh::CutMesh;
 use crate::methods::cutflow::Initial;
-use crate::methods::flow::{Flow, Status};
+use crate::methods::flow::{Flow, SolveError, Status};
 use crate::methods::phasefield::{
-    PhaseFieldCheckpoint, PhaseFieldFlow, PhaseFieldParams, PhaseMeasures, Screening, Start,
-    epsilon_floor, length_scale,
+    PhaseFieldCheckpoint, PhaseFieldFlow, PhaseFieldParams, PhaseMeasures, PhaseNode, Screening,
+    Start, epsilon_floor, length_scale,
 };
+
+/// What the undivided surface is called.
+const WHOLE: &str = "Whole";
 
 /// The widest interface.
 const WIDEST: f64 = 0.5;
@@ -37,6 +40,8 @@ pub struct PhaseField {
     areas: Vec<f64>,
     /// Length at area 4π of a length of the surface.
     scale: f64,
+    /// ε as it was asked for.
+    asked: f64,
     /// Where to go on from, once there is time.
     saved: Option<PhaseCheckpoint>,
     curve: Vec<Event>,
@@ -55,6 +60,7 @@ pub struct PhaseCheckpoint {
     params: PhaseFieldParams,
     steps: usize,
     curve: Rc<Vec<Event>>,
+    measures: BTreeMap<usize, PhaseMeasures>,
 }
 
 impl PhaseField {
@@ -69,6 +75,7 @@ impl PhaseField {
                 params: flow.params().clone(),
                 steps: flow.steps(),
                 curve: Rc::new(self.curve.clone()),
+                measures: self.measures.clone(),
             });
         }
         kept.clone()
@@ -123,12 +130,23 @@ impl PhaseField {
         self.flow = Some(flow);
     }
 
+    /// Measures anew what can be measured: fields are to change.
+    fn forget_measures(&mut self) -> Result<(), SolveError> {
+        self.measures.clear();
+        *self.kept.borrow_mut() = None;
+        self.measure(None)
+    }
+
     /// Measures what is done; everything at the end.
-    fn measure(&mut self, before: Option<usize>) -> Result<(), crate::methods::flow::SolveError> {
+    fn measure(&mut self, before: Option<usize>) -> Result<(), SolveError> {
         let Some(flow) = &self.flow else { return Ok(()) };
         let now = flow.current().map(|(node, _)| node);
         if now == before && now.is_some() {
             return Ok(());
+        }
+        if now.is_none() && flow.params().is_joint {
+            // Relaxed together, all have moved once more.
+            self.measures.clear();
         }
         for (node, segment) in flow.state().tree().iter().enumerate() {
             let is_due = now.is_none() || Some(node) == before;
@@ -144,16 +162,10 @@ impl PhaseField {
         let flow = self.flow.as_ref()?;
         let state = flow.state();
         let (nodes, leaves) = (state.tree(), state.leaves());
-        let mut labels: Vec<String> = vec!["Whole".into()];
+        let names = names(nodes);
         let total: f64 = self.areas.iter().sum();
         let mut list = Vec::with_capacity(nodes.len());
         for (node, segment) in nodes.iter().enumerate() {
-            if let (Some(parent), true) = (segment.parent, node > 0) {
-                let side = nodes[parent].children.map_or(0, |c| usize::from(c[1] == node)) + 1;
-                let above = if parent == 0 { "" } else { &labels[parent] };
-                let dot = if parent == 0 { "" } else { "." };
-                labels.push(format!("{above}{dot}{side}"));
-            }
             let weighed = segment.weight.iter().zip(&self.areas);
             let area: f64 = weighed.map(|(w, a)| w * a).sum();
             let of_parent = segment.parent.and_then(|parent| {
@@ -166,7 +178,7 @@ impl PhaseField {
                 node,
                 parent: segment.parent,
                 level: segment.level,
-                label: labels[node].clone(),
+                label: names[node].clone(),
                 is_leaf: leaf.is_some(),
                 color: leaf.map(colour),
                 area_fraction: area / total,
@@ -198,34 +210,34 @@ impl Segmentation for PhaseField {
         let surface = inputs.surface;
         let wrong = |error| Problem::solve(&surface.name, &error);
         let params = params(inputs);
+        self.asked = inputs.settings.number("epsilon");
         if let Some(saved) = self.saved.take() {
             let (mesh, geometry) = surface.solving_shared();
             let flow = PhaseFieldFlow::resume(mesh, geometry, &saved.flow, saved.params.clone())
                 .map_err(wrong)?;
             self.flow = Some(flow);
             self.curve = saved.curve.to_vec();
-            self.measures.clear();
+            self.measures.clone_from(&saved.measures);
             self.measure_surface(surface);
-            self.measure(None).map_err(wrong)?;
-            if let Some(flow) = &mut self.flow {
+            *self.kept.borrow_mut() = Some(saved);
+            if let Some(flow) = self.flow.as_mut().filter(|flow| *flow.params() != params) {
                 flow.set_params(params).map_err(wrong)?;
+                self.forget_measures().map_err(wrong)?;
             }
             return Ok(true);
         }
+        // Another way to search is another search, and so is anything before the first step.
         let is_same_start = |flow: &PhaseFieldFlow| {
-            flow.params().start == params.start && flow.params().seed == params.seed
+            let of = |p: &PhaseFieldParams| (p.seed, p.starts, p.warm_up);
+            flow.steps() > 0
+                && flow.params().start == params.start
+                && of(flow.params()) == of(&params)
         };
         match &mut self.flow {
             Some(flow) if *flow.params() == params => Ok(false),
-            // Another start is another search.
             Some(flow) if is_same_start(flow) => {
                 flow.set_params(params).map_err(wrong)?;
-                self.measures.clear();
-                if self.flow.as_ref().is_some_and(|flow| flow.steps() == 0) {
-                    // Nothing has run yet: the curve begins with what it would be now.
-                    self.curve = self.flow.iter().map(point).collect();
-                }
-                self.measure(None).map_err(wrong)?;
+                self.forget_measures().map_err(wrong)?;
                 Ok(true)
             }
             _ => {
@@ -260,12 +272,12 @@ impl Segmentation for PhaseField {
     }
 
     fn doing(&self) -> String {
-        let (Some(flow), Some(tree)) = (&self.flow, self.tree()) else { return String::new() };
+        let Some(flow) = &self.flow else { return String::new() };
         let Some((node, attempt)) = flow.current() else { return String::new() };
         let starts = flow.params().starts;
-        let what = match &*tree.nodes[node].label {
-            "Whole" => "dividing the whole".to_owned(),
-            label => format!("dividing segment {label}"),
+        let what = match &*names(flow.state().tree())[node] {
+            WHOLE => "dividing the whole".to_owned(),
+            name => format!("dividing segment {name}"),
         };
         if starts > 1 { format!("{what}, start {} of {starts}", attempt + 1) } else { what }
     }
@@ -304,30 +316,42 @@ impl Segmentation for PhaseField {
         rows
     }
 
-    fn field(&self, id: &str) -> Option<Vec<f64>> {
-        let flow = self.flow.as_ref()?;
+    fn field(&self, id: &str) -> Result<Option<Vec<f64>>, SolveError> {
+        let Some(flow) = &self.flow else { return Ok(None) };
         let nodes = flow.state().tree();
-        let node = &nodes[self.shown()];
-        match id {
-            "weight" => Some(node.weight.to_vec()),
-            "phase" => {
-                // A segment that is not divided is a side of its parent's field.
-                let divided = if node.children.is_some() { node } else { &nodes[node.parent?] };
-                let is_inside = divided.weight.iter().map(|w| *w > 1e-3);
-                let values = divided.u.iter().zip(is_inside);
-                Some(values.map(|(u, inside)| if inside { *u } else { f64::NAN }).collect())
-            }
+        let shown = self.shown();
+        // A segment that is not divided is a side of its parent's division.
+        let divided = match nodes[shown].children {
+            Some(_) => shown,
+            None => nodes[shown].parent.unwrap_or(0),
+        };
+        let within = |values: &[f64]| {
+            let weights = nodes[divided].weight.iter();
+            let values = values.iter().zip(weights);
+            values.map(|(x, w)| if *w > 1e-3 { *x } else { f64::NAN }).collect()
+        };
+        Ok(match id {
+            "weight" => Some(nodes[shown].weight.to_vec()),
+            "phase" => Some(within(&nodes[divided].u)),
+            "yamabe" => Some(within(&flow.scale_factors(divided)?)),
             _ => None,
-        }
+        })
     }
 
     fn notes(&self) -> Vec<String> {
         let Some(flow) = &self.flow else { return Vec::new() };
         let mut notes = Vec::new();
+        let epsilon = flow.params().epsilon;
+        if epsilon > self.asked {
+            notes.push(format!(
+                "The interface is {epsilon:.3} wide in place of {:.3}: two edges of this mesh. Remesh it under Prepare for a thinner one.",
+                self.asked
+            ));
+        }
         if let Some(small) = flow.epsilon_notice() {
             notes.push(format!(
-                "The mesh is coarse for an interface of width {:.3}: {:.3} spans two of its edges. Raise ε, or remesh under Prepare.",
-                small.epsilon, small.floor
+                "The mesh is too coarse for any interface: two of its edges span {:.3}. Remesh it under Prepare.",
+                small.floor
             ));
         }
         let parts: usize = self.measures.values().flat_map(|m| m.components).sum();
@@ -352,6 +376,21 @@ impl PhaseField {
         let sum: f64 = flow.state().tree().iter().map(|node| node.terms.perimeter).sum();
         sum / SQRT_2 / self.scale
     }
+}
+
+/// What a person calls segments: `Whole`, `1`, `2`, `1.1` and so on.
+fn names(nodes: &[PhaseNode]) -> Vec<String> {
+    let mut names: Vec<String> = vec![WHOLE.into()];
+    for (node, segment) in nodes.iter().enumerate().skip(1) {
+        let parent = segment.parent.unwrap_or(0);
+        let side = nodes[parent].children.map_or(0, |c| usize::from(c[1] == node)) + 1;
+        names.push(if parent == 0 {
+            side.to_string()
+        } else {
+            format!("{}.{side}", names[parent])
+        });
+    }
+    names
 }
 
 /// The options that parameters and paint ask for. ε spans two edges at least.

@@ -96,7 +96,7 @@ pub fn develop_specs() -> Vec<ParamSpec> {
             .group(merging),
         number("darts", "Darts", "", "", [0.0, 4.0, 1.0], 2.0,
             "Cuts from the border into a piece that would not flatten without, at most so many at a time. They save pieces and cost seam.")
-            .group(merging).integer().only_if("merge_measure", &["absolute"]),
+            .group(merging).integer(),
         choice(merging, "merge_strategy", "Order",
             &[("best", "Best first"), ("paper", "Smallest area first (paper)")],
             "Best first tries all borders of two pieces together, least change of area for the longest seam first, until nothing more fits. The paper's way passes once.")
