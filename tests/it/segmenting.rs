@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use cutflow::session::{Command, Document, Event, Method, SegmentTree, Session, Settings, Value};
+use cutflow::session::{
+    Brought, Command, Document, Event, Method, SegmentTree, Session, Settings, Value,
+};
 
 use crate::exported;
 
@@ -245,10 +247,91 @@ fn looser_limits_go_on_merging_and_two_pieces_can_be_kept_apart() {
     go_on(&mut session, &mut events);
     let loose = session.develop_report(None).unwrap().patches.len();
     assert!(loose < tight, "{tight} then {loose}");
+    let limit =
+        |percent: f64| Command::SetParameter { id: "area_limit".into(), value: number(percent) };
+    let mut events = session.handle(limit(4.0));
+    go_on(&mut session, &mut events);
+    let labels = session.labels();
+    let of = |label: u32| labels.iter().position(|&l| l == label).unwrap();
+    let apart = [of(0), of(1)];
     let mut events = session.handle(Command::Sew { patches: [0, 1], joins: false });
     assert!(errors(&events).is_empty(), "{:?}", errors(&events));
     go_on(&mut session, &mut events);
-    assert!(session.develop_report(None).unwrap().patches.len() >= 2);
+    // Without limits they would be one.
+    let mut events = session.handle(limit(50.0));
+    go_on(&mut session, &mut events);
+    let labels = session.labels();
+    assert_ne!(labels[apart[0]], labels[apart[1]]);
     let events = session.handle(Command::Sew { patches: [0, 0], joins: true });
     assert_eq!(errors(&events).len(), 1);
+    let is_history = |event: &&Event| matches!(event, Event::History { .. });
+    assert_eq!(events.iter().find(is_history), None, "a refusal is nothing to take back");
+}
+
+#[test]
+fn two_pieces_are_joined_by_hand_beyond_the_limits() {
+    let mut session = open("developable", "ball", &[("area_limit", number(4.0))]);
+    run(&mut session);
+    let before = session.develop_report(None).unwrap().patches.len();
+    let neighbour = session.layout().unwrap().neighbours()[0][0] as usize;
+    let mut events = session.handle(Command::Sew { patches: [0, neighbour], joins: true });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    go_on(&mut session, &mut events);
+    let after = session.develop_report(None).unwrap();
+    let said: Vec<&str> = after.notices.iter().map(|notice| notice.text.as_str()).collect();
+    let is_joined = said.iter().any(|text| text.contains("joined by hand"));
+    assert!(is_joined, "{said:?}, {before} then {}", after.patches.len());
+    assert_eq!(after.flattening.totals.flipped, 0);
+}
+
+#[test]
+fn a_slider_moved_before_the_run_is_as_good_as_having_begun_with_it() {
+    let start = [("levels", number(1.0)), ("omega", number(0.0))];
+    let wanted = [("fraction", number(30.0)), ("epsilon", number(0.2))];
+    let mut moved = open("phasefield", "ball", &start);
+    for (id, value) in wanted.clone() {
+        moved.handle(Command::SetParameter { id: id.into(), value });
+    }
+    run(&mut moved);
+    let mut begun = open("phasefield", "ball", &[start, wanted].concat());
+    run(&mut begun);
+    assert_eq!(moved.labels(), begun.labels());
+    let report = moved.phase_report(None).unwrap();
+    assert!((report.area_fraction - 0.3).abs() < 1e-4);
+}
+
+#[test]
+fn regions_that_are_painted_start_a_division_and_seams_that_are_painted_stay() {
+    let mut session =
+        open("phasefield", "ball", &[("levels", number(1.0)), ("omega", number(0.0))]);
+    let count = session.info_report().unwrap().vertices;
+    let values: Vec<f64> = (0..count).map(|v| f64::from(u8::from(v % 2 == 0))).collect();
+    let events = session.bring(Brought::Layer { channel: "region", values: &values });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert_eq!(session.method(), Method::PhaseField);
+    run(&mut session);
+    let mut session = open("developable", "ball", &[("vsa_tolerance", number(0.1))]);
+    let all = vec![1.0; count];
+    let events = session.bring(Brought::Layer { channel: "seam_paint", values: &all });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    run(&mut session);
+    let report = session.develop_report(None).unwrap();
+    assert!(report.patches.len() >= report.vsa_charts, "no seam may go: {report:?}");
+}
+
+#[test]
+fn a_mesh_that_is_too_coarse_for_an_interface_says_so_and_stays_usable() {
+    let tetrahedron =
+        b"v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n";
+    let mut session = Session::new();
+    let events = session.open("tetrahedron.obj", tetrahedron);
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    let events = session.handle(Command::SetMethod { id: "phasefield".into() });
+    let said = errors(&events);
+    assert!(said.len() == 1 && said[0].contains("too thin"), "{said:?}");
+    assert_eq!(session.method(), Method::PhaseField);
+    let events = session.handle(Command::SetMethod { id: "developable".into() });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    run(&mut session);
+    assert_eq!(session.develop_report(None).unwrap().flattening.totals.flipped, 0);
 }
