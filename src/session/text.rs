@@ -192,7 +192,11 @@ impl Problem {
             SolveError::EpsilonTooSmall { epsilon, floor } => Self::new(
                 format!("An interface of width {epsilon:.3} is too thin for the triangles."),
                 format!("{name}, interface width."),
-                format!("Choose {floor:.3} or more, or remesh the surface with shorter edges."),
+                if *floor > 0.5 {
+                    "Remesh the surface with shorter edges first, under Prepare or by the command prepare.".to_owned()
+                } else {
+                    format!("Choose {floor:.3} or more, or remesh the surface with shorter edges.")
+                },
             ),
             SolveError::PatchCheck { face } => Self::new(
                 format!(

@@ -79,9 +79,10 @@ fn a_ball_falls_into_four_equal_segments_with_a_tree_of_seven() {
     assert_eq!(tree.nodes.len(), 7);
     let labels: Vec<&str> = tree.nodes.iter().map(|segment| segment.label.as_str()).collect();
     assert_eq!(labels, ["Whole", "1", "2", "1.1", "1.2", "2.1", "2.2"]);
-    // A great circle, then two halves of one, at area 4π.
+    // A great circle of the unit sphere, over the root of its area.
     let whole = tree.nodes[0].length.unwrap();
-    assert!((whole / std::f64::consts::TAU - 1.0).abs() < 2e-3, "{whole}");
+    let circle = std::f64::consts::TAU / (4.0 * std::f64::consts::PI).sqrt();
+    assert!((whole / circle - 1.0).abs() < 2e-3, "{whole}");
     for segment in tree.nodes.iter().filter(|segment| segment.is_leaf) {
         assert!((segment.area_fraction - 0.25).abs() < 1e-4, "{segment:?}");
         assert_eq!(segment.components, 1);

@@ -1,7 +1,7 @@
 // The hierarchy of a phase field as a tree: each segment a button that shows it on the surface.
 
 import { h, write } from "../dom.js";
-import { fixed, percent, plural, short } from "../format.js";
+import { measure, percent, plural, short } from "../format.js";
 
 /** `select(node)` shows a segment, `handOver()` goes on with the cut flow. Gives a node that stands under the parameters of the segments. */
 export function segmentsPanel(on) {
@@ -45,7 +45,7 @@ export function segmentsPanel(on) {
     const segment = nodes.find((other) => other.node === selected);
     if (!segment) return "";
     const parts = [segment.label === "Whole" ? "The whole surface" : `Segment ${segment.label}`, `${percent(segment.area_fraction)} of the area`];
-    if (segment.length !== null) parts.push(`divided along ${fixed(segment.length, 3)}`);
+    if (segment.length !== null) parts.push(`divided along ${measure(segment.length, "√A")}`);
     if (segment.loss !== null) parts.push(`loss of its parts ${short(segment.loss)}`);
     if (segment.components > 1) parts.push(plural(segment.components, "unconnected part"));
     return `${parts.join(", ")}.`;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cutflow::session::{
-    Command, DevelopReport, DevelopSeconds, Document, PhaseFieldReport, Problem, Session, Settings,
-    Value, settings_for,
+    Command, DevelopReport, DevelopSeconds, Document, Event, PhaseFieldReport, Problem, Session,
+    Settings, Value, settings_for,
 };
 
 use super::cut::{assignment, bring_layers, typed};
@@ -13,6 +13,9 @@ use super::{
     MeshArgs, Report, clock, make_folder, open, print_flattening, tell, warn_of_charts, write_cut,
     write_json, writes_to_stdout,
 };
+
+/// Steps between two lines of progress.
+const SHOWN_EVERY: usize = 100;
 
 #[derive(Clone, Copy, ValueEnum)]
 enum PhaseStart {
@@ -28,17 +31,17 @@ enum PhaseStart {
 pub struct PhaseFieldArgs {
     #[command(flatten)]
     mesh: MeshArgs,
-    /// How often segments are divided: up to 2, 4, 8, 16 or 32 of them.
-    #[arg(long, value_name = "K")]
+    /// How often segments are divided, from 1 to 5: into 2, 4, 8, 16 or 32.
+    #[arg(long, value_name = "K", allow_hyphen_values = true)]
     levels: Option<f64>,
     /// Width of the interface, on the surface scaled to area 4π. It has to span two edges.
-    #[arg(long, value_name = "E")]
+    #[arg(long, value_name = "E", allow_hyphen_values = true)]
     epsilon: Option<f64>,
     /// What distortion costs against length.
-    #[arg(long, value_name = "W")]
+    #[arg(long, value_name = "W", allow_hyphen_values = true)]
     omega: Option<f64>,
     /// What unconnected parts cost: ε to the power −κ.
-    #[arg(long, value_name = "KAPPA")]
+    #[arg(long, value_name = "KAPPA", allow_hyphen_values = true)]
     kappa: Option<f64>,
     /// Draws parts of a segment that fell apart together, which is what happens without this option too.
     #[arg(long, conflicts_with = "unconnected")]
@@ -47,13 +50,13 @@ pub struct PhaseFieldArgs {
     #[arg(long)]
     unconnected: bool,
     /// How much of a segment's area its first part gets, per cent.
-    #[arg(long, value_name = "PERCENT")]
+    #[arg(long, value_name = "PERCENT", allow_hyphen_values = true)]
     fraction: Option<f64>,
     /// What the first division starts from.
     #[arg(long, value_enum)]
     start: Option<PhaseStart>,
     /// Runs for each division; the best is kept.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     starts: Option<f64>,
     #[command(flatten)]
     common: Common,
@@ -80,19 +83,19 @@ pub struct DevelopArgs {
     #[command(flatten)]
     mesh: MeshArgs,
     /// How far normals of a first piece may be from their mean: squared difference times area, as a fraction of the surface.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// What merged pieces are tested by.
     #[arg(long, value_enum)]
     measure: Option<Measure>,
     /// Pieces are not merged where their area would change by more, per cent.
-    #[arg(long, value_name = "PERCENT")]
+    #[arg(long, value_name = "PERCENT", allow_hyphen_values = true)]
     area: Option<f64>,
     /// Nor where they would be stretched by more (raw L²).
-    #[arg(long, value_name = "L2")]
+    #[arg(long, value_name = "L2", allow_hyphen_values = true)]
     stretch: Option<f64>,
     /// Darts that one piece may get at a time.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     darts: Option<f64>,
     /// The order of merging.
     #[arg(long, value_enum)]
@@ -225,8 +228,20 @@ pub fn phasefield(args: &PhaseFieldArgs) -> Result<(), Problem> {
     let is_quiet = writes_to_stdout(&args.common.report);
     let clock = clock();
     tell(session.handle(Command::Run))?;
+    let mut steps = 0;
     while session.is_running() {
-        tell(session.advance(&mut || true))?;
+        let events = session.advance(&mut || {
+            steps += 1;
+            steps % SHOWN_EVERY != 0
+        });
+        let status = events.iter().rev().find_map(|event| match event {
+            Event::Status { text, .. } => Some(text.clone()),
+            _ => None,
+        });
+        tell(events)?;
+        if let (false, Some(text)) = (is_quiet, status) {
+            eprintln!("{text}");
+        }
     }
     let seconds = clock.elapsed().as_secs_f64();
     let report = session.phase_report(Some(seconds))?;
@@ -239,7 +254,7 @@ pub fn phasefield(args: &PhaseFieldArgs) -> Result<(), Problem> {
 
 fn print_phase(report: &PhaseFieldReport) {
     say!(
-        "{} after {} steps: {} segments, cut length {:.4}, diffuse Yamabe energy {:.5}",
+        "{} after {} steps: {} segments, interface {:.4} √A, diffuse distortion J {:.5}",
         report.status,
         report.steps,
         report.segments.iter().filter(|segment| segment.is_leaf).count(),
@@ -253,7 +268,8 @@ fn print_phase(report: &PhaseFieldReport) {
     );
     for segment in segments {
         let indent = 2 * segment.level + 2;
-        let divided = segment.length.map_or(String::new(), |x| format!(", divided along {x:.4}"));
+        let divided =
+            segment.length.map_or(String::new(), |x| format!(", divided along {x:.4} √A"));
         say!(
             "{:indent$}{:8} {:5.1} % of the area, {} connected {}{divided}",
             "",

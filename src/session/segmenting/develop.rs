@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::super::message::{Event, NoticeText, Row, Term};
+use super::super::message::{Event, NoticeText, Row};
 use super::super::report::FlattenReport;
 use super::super::surface::{Surface, face_to_vertex};
 use super::super::text::{Problem, plural};
@@ -135,13 +135,10 @@ impl Run {
         Ok(run)
     }
 
-    /// Adds the present state to the curve: the length of all seams, and how many pieces there are.
+    /// Adds the length of all seams to the curve.
     fn tell(&mut self) {
-        let pieces = self.count() as f64;
-        let seam = self.seam();
-        let term = |name: &str, value: f64| Term { name: name.into(), value };
-        let terms = vec![term("Pieces / 10", pieces / 10.0)];
-        self.curve.push(Event::Energy { step: self.steps, total: seam, terms });
+        let (step, total) = (self.steps, self.seam());
+        self.curve.push(Event::Energy { step, total, terms: Vec::new() });
     }
 
     fn status(&self) -> Status {
@@ -442,10 +439,10 @@ impl Segmentation for Developable {
             notes.push("Limits were tested on the surface with smooth seams; the measures are those of the surface itself.".to_owned());
         }
         if state.splits > 0 {
+            let times =
+                if state.splits == 1 { "once".into() } else { format!("{} times", state.splits) };
             notes.push(format!(
-                "{} did not lie flat and {} divided first.",
-                plural(state.splits, "first piece"),
-                if state.splits == 1 { "was" } else { "were" }
+                "First pieces were divided {times} more before merging, so that each lies flat."
             ));
         }
         let bent = state.patches.iter().filter(|patch| !patch.is_flat).count();

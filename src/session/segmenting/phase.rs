@@ -26,6 +26,9 @@ use crate::methods::phasefield::{
     Start, epsilon_floor, length_scale,
 };
 
+/// Largest |u| below which a field divides nothing: it should be near 1 on either side.
+const FAINT: f64 = 0.5;
+
 /// What the undivided surface is called.
 const WHOLE: &str = "Whole";
 
@@ -40,6 +43,8 @@ pub struct PhaseField {
     areas: Vec<f64>,
     /// Length at area 4π of a length of the surface.
     scale: f64,
+    /// Connected parts of the surface.
+    parts: usize,
     /// ε as it was asked for.
     asked: f64,
     /// Where to go on from, once there is time.
@@ -122,6 +127,7 @@ impl PhaseField {
         let (mesh, geometry) = surface.solving();
         self.areas = geometry.vertex_dual_areas(mesh);
         self.scale = length_scale(geometry);
+        self.parts = surface.topology.components;
     }
 
     fn start(&mut self, flow: PhaseFieldFlow) {
@@ -182,8 +188,8 @@ impl PhaseField {
                 is_leaf: leaf.is_some(),
                 color: leaf.map(colour),
                 area_fraction: area / total,
-                components: of_parent.unwrap_or(1),
-                length: measures.map(|m| m.length),
+                components: if node == 0 { self.parts } else { of_parent.unwrap_or(1) },
+                length: measures.map(|m| m.length / self.scale),
                 loss: measures.map(|m| m.sharp[0] + m.sharp[1]).filter(|x| x.is_finite()),
             });
         }
@@ -354,12 +360,19 @@ impl Segmentation for PhaseField {
                 small.floor
             ));
         }
-        let parts: usize = self.measures.values().flat_map(|m| m.components).sum();
-        let sides = 2 * self.measures.len();
-        if flow.status() != Status::Running && parts > sides {
+        let most = flow.state().tree()[0].u.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        if flow.status() != Status::Running && most < FAINT {
             notes.push(format!(
-                "Segments have {} more than there are segments: other starts, a smaller ω or connectedness may join them.",
-                plural(parts - sides, "part")
+                "The field stays near 0 (at most {most:.2}): an interface of width {epsilon:.3} is too wide for this surface. Choose a smaller one, or remesh."
+            ));
+        }
+        let leaves = self.tree().into_iter().flat_map(|tree| tree.nodes);
+        let extra: usize =
+            leaves.filter(|leaf| leaf.is_leaf).map(|leaf| leaf.components.saturating_sub(1)).sum();
+        if flow.status() != Status::Running && extra > 0 {
+            notes.push(format!(
+                "Segments fall into {} more than there are segments: other starts, a smaller ω or a larger κ may join them.",
+                plural(extra, "part")
             ));
         }
         notes

@@ -35,7 +35,7 @@ pub struct PhaseFieldReport {
     pub steps: usize,
     /// `converged`, `stalled`, `step_limit` or `paused`.
     pub status: &'static str,
-    /// The hierarchy; lengths on the surface scaled to area 4π.
+    /// The hierarchy.
     pub segments: Vec<Segment>,
     /// The objective after every step.
     pub history: Vec<[f64; 2]>,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// A tree of segments. Lengths and areas for a surface of area 4π, as ε is.
+/// A tree of segments. Lengths over √area, losses for a surface of area 4π.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SegmentTree {
     /// Parents come before their children.
