@@ -230,7 +230,7 @@ impl Run {
             Stage::Smooth(DenoiseFlow::new(mesh, &geometry, &self.charts, params)?)
         } else {
             let on = self.merged_on.clone();
-            let wishes = wishes(&self.plan, &self.hands);
+            let wishes = wishes(&self.plan, &self.hands, &self.mesh, &self.charts);
             let flow = MergeFlow::new(mesh, on, &self.charts, self.plan.merge, wishes)?;
             Stage::Merge(Box::new(flow))
         };
@@ -337,7 +337,8 @@ impl Segmentation for Developable {
                 }
             }
             if is_wish {
-                flow.set_wishes(wishes(&plan, &self.hands)).map_err(wrong)?;
+                let wishes = wishes(&plan, &self.hands, &run.mesh, &run.charts);
+                flow.set_wishes(wishes).map_err(wrong)?;
             }
         }
         run.plan = plan;
@@ -500,12 +501,14 @@ fn keeps_charts(old: &Plan, new: &Plan) -> bool {
     only_charts(old) == only_charts(new)
 }
 
-/// What merging is asked for beside the limits.
-fn wishes(plan: &Plan, hands: &Hands) -> MergeWishes {
+/// What merging of some charts is asked for beside the limits.
+fn wishes(plan: &Plan, hands: &Hands, mesh: &Mesh, charts: &[u32]) -> MergeWishes {
+    // Paint keeps seams where they are; it makes none.
+    let kept = plan.kept.iter().copied().filter(|&e| parts(mesh, charts, e));
     MergeWishes {
         apart: hands.apart.clone(),
         together: hands.together.clone(),
-        kept_edges: plan.kept.to_vec(),
+        kept_edges: kept.collect(),
         prices: plan.factors.to_vec(),
         symmetry: None,
     }
