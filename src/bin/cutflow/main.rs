@@ -235,7 +235,9 @@ fn misunderstood(error: &clap::Error) -> Problem {
     let text = error.to_string();
     let mut paragraphs = text.split("\n\n").map(str::trim).filter(|part| !part.is_empty());
     let what = paragraphs.next().unwrap_or_default();
-    let rest: Vec<&str> = paragraphs.filter(|part| !part.starts_with("For more")).collect();
+    let rest: Vec<&str> = paragraphs
+        .filter(|part| !part.starts_with("For more") && !part.contains("as a value"))
+        .collect();
     Problem::new(
         what.strip_prefix("error: ").unwrap_or(what),
         "On the command line.",

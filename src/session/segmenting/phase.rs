@@ -348,7 +348,7 @@ impl Segmentation for PhaseField {
         let Some(flow) = &self.flow else { return Vec::new() };
         let mut notes = Vec::new();
         let epsilon = flow.params().epsilon;
-        if epsilon > self.asked {
+        if epsilon > 1.01 * self.asked {
             notes.push(format!(
                 "The interface is {epsilon:.3} wide in place of {:.3}: two edges of this mesh. Remesh it under Prepare for a thinner one.",
                 self.asked
