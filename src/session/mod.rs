@@ -52,6 +52,7 @@ use inputs::Layers;
 use preparing::Preparation;
 use work::{Pending, Snapshot, Work, start_flow};
 
+pub use crate::flatten::comparison::{Compared, ComparisonRow};
 pub use brought::Brought;
 pub use charting::{Charting, FlattenBy};
 pub use cones::{

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use cutflow::flatten::comparison::{Compared, ComparisonRow};
-use cutflow::session::{Problem, cut_from_json, specimen};
+use cutflow::session::{Compared, ComparisonRow, Problem, cut_from_json, specimen};
 use serde::Serialize;
 
 use super::{MeshArgs, Report, clock, open, read, write_json, writes_to_stdout};
