@@ -19,9 +19,11 @@ impl Session {
     pub(super) fn remember(&mut self, label: &str, kind: &str) {
         let Some(work) = &self.work else { return };
         self.redo.clear();
-        // Moving one slider is one change, unless steps were made meanwhile.
+        // Moving one slider is one change, unless the cut flow made steps meanwhile.
         let is_same = |last: &Snapshot| {
-            last.kind == kind && kind.starts_with("set ") && last.step == work.step()
+            last.kind == kind
+                && kind.starts_with("set ")
+                && last.history.len() == work.history.len()
         };
         if self.undo.last().is_some_and(is_same) {
             return;

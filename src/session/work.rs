@@ -97,8 +97,6 @@ pub(super) struct Snapshot {
     pub kind: String,
     pub document: Rc<Document>,
     pub method: Method,
-    /// Steps made then.
-    pub step: usize,
     pub settings: Settings,
     pub layers: Layers,
     pub edits: Edits,
@@ -236,7 +234,6 @@ impl Work {
             kind: kind.to_owned(),
             document: self.document.clone(),
             method: self.method,
-            step: self.step(),
             settings: self.settings.clone(),
             layers: self.layers.clone(),
             edits: self.cones.edits.clone(),
