@@ -129,7 +129,8 @@ for (const renderer of RENDERERS) {
 
     it("has cells of a round size, which is that on the screen", async () => {
       await choice().selectOption("checkerboard");
-      const { number, unit } = cellOf(await weave().textContent());
+      const said = await page.until("the size of a cell", () => weave().textContent(), (text) => text !== "");
+      const { number, unit } = cellOf(said);
       assert.equal(unit, "mm");
       assert.ok([1, 2, 5].includes(Number(number.toExponential(0)[0])), `${number} is not round`);
       const rule = browser.page.locator(".flat .rule");
