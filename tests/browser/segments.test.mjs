@@ -27,10 +27,15 @@ describe("segmentations", { timeout: 600_000 }, () => {
   const label = (name) => browser.page.getByLabel(name, { exact: true });
   const items = () => browser.page.getByRole("treeitem");
   const pieces = () => browser.page.getByRole("table", { name: "Pieces" }).locator("tbody tr").count();
+  /** Waits until the status line says the same for a while, and that it converged: a run may begin a moment after what asks for it. */
   const resting = async () => {
-    await page.status(/^(Converged after|Paused at|Error)/);
-    await browser.page.waitForTimeout(400);
-    assert.match(await browser.page.getByRole("status").textContent(), /^Converged after \d+ steps/);
+    const line = browser.page.getByRole("status");
+    const look = async () => {
+      const before = await line.textContent();
+      await browser.page.waitForTimeout(600);
+      return before === (await line.textContent()) ? before : "";
+    };
+    await page.until("a run that has come to rest", look, (text) => /^Converged after \d+ steps/.test(text));
   };
 
   it("divides a mesh in four, and shows the tree", async () => {
