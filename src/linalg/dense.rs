@@ -83,8 +83,8 @@ impl DenseCholesky {
     }
 }
 
-/// Four sums at a time: the compiler may not reorder one.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// aᵀb. Four sums at a time: the compiler may not reorder one.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();

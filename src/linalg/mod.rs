@@ -35,6 +35,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
 pub use dense::DenseCholesky;
+pub(crate) use dense::dot;
 
 /// What can go wrong on this floor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -88,11 +88,12 @@ impl Session {
                 match channel {
                     "region" => {
                         layers.regions = Rc::new(values.iter().map(|&x| x as u32).collect());
-                        if work.method != Method::CutFlow {
-                            settings.put("phase_start", Value::Text("painted".into()));
-                            (Pending::Fields, None)
-                        } else {
-                            (Pending::Restart, Some("painted"))
+                        match work.method {
+                            Method::PhaseField => {
+                                settings.put("phase_start", Value::Text("painted".into()));
+                                (Pending::Fields, None)
+                            }
+                            _ => (Pending::Restart, Some("painted")),
                         }
                     }
                     _ => {

@@ -632,6 +632,19 @@ pub struct Row {
     pub start: Option<f64>,
 }
 
+impl Row {
+    /// A row without its start; values that are not finite are none.
+    pub fn new(id: &str, label: &str, unit: &str, now: f64) -> Self {
+        Self {
+            id: id.into(),
+            label: label.into(),
+            unit: unit.into(),
+            now: now.is_finite().then_some(now),
+            start: None,
+        }
+    }
+}
+
 /// A piece in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PieceRow {

@@ -52,7 +52,7 @@ use inputs::Layers;
 use preparing::Preparation;
 use work::{Pending, Snapshot, Work, start_flow};
 
-pub use crate::flatten::comparison::{Compared, ComparisonRow};
+pub use crate::flatten::comparison::Compared;
 pub use brought::Brought;
 pub use charting::{Charting, FlattenBy};
 pub use cones::{
@@ -71,7 +71,9 @@ pub use method::Method;
 pub use outlines::Outline;
 pub use params::{Effect, Settings};
 pub use regions::FaceSource;
-pub use report::{CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport, RefinedReport};
+pub use report::{
+    ComparisonReport, CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport, RefinedReport,
+};
 pub use scene::Scene;
 pub use segmenting::{
     DevelopReport, DevelopSeconds, DevelopStage, DevelopTable, PhaseFieldReport, Segment,
@@ -724,6 +726,13 @@ impl Session {
             return;
         }
         if work.method == Method::Cones && (work.cones.is_due() || !work.cones.is_solved()) {
+            events.push(work.measures());
+            self.scene_is_new = true;
+            return;
+        }
+        if work.segmentation().is_some() && !work.has_cut() {
+            // Nothing was divided: there is a reason, which was told.
+            work.layout = None;
             events.push(work.measures());
             self.scene_is_new = true;
             return;

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::document::Document;
 use super::layout::Layout;
 use super::message::NoticeText;
+use crate::flatten::comparison::ComparisonRow;
 use crate::flatten::conformal::ConformalReport;
 use crate::flatten::{ChartMeasures, validate};
 use crate::methods::cutflow::{Energy, Weights};
@@ -158,6 +159,55 @@ pub struct FlattenReport {
     pub refined: Option<RefinedReport>,
     /// Solving time, where the driver measured it.
     pub seconds: Option<f64>,
+}
+
+/// A row of `cutflow compare`: all patches by one method.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComparisonReport {
+    /// The method.
+    pub method: &'static str,
+    /// Triangles that have a chart.
+    pub faces: usize,
+    /// Sides of all rims.
+    pub rim_sides: usize,
+    /// Mean error of a rim side's length, over their mean length.
+    pub length_error: f64,
+    /// Mean error of a rim corner's angle, radians.
+    pub angle_error: f64,
+    /// Σ(A′ − A)/ΣA.
+    pub area_change: f64,
+    /// Σ|A′ − A|/ΣA.
+    pub area_change_abs: f64,
+    /// Raw L² stretch.
+    pub l2_stretch: f64,
+    /// L² stretch with the charts' area brought to that of the patches.
+    pub l2_stretch_normalized: f64,
+    /// Turned-over triangles.
+    pub flipped: usize,
+    /// Crossings of outlines with themselves.
+    pub overlaps: usize,
+    /// Solving time, which the driver measured.
+    pub seconds: f64,
+}
+
+impl ComparisonReport {
+    /// **Takes** the time that the driver measured.
+    pub fn new(row: &ComparisonRow, seconds: f64) -> Self {
+        Self {
+            method: row.method.name(),
+            faces: row.faces,
+            rim_sides: row.rim_sides,
+            length_error: row.length_error,
+            angle_error: row.angle_error,
+            area_change: row.area_change,
+            area_change_abs: row.area_change_abs,
+            l2_stretch: row.l2_stretch,
+            l2_stretch_normalized: row.l2_stretch_normalized,
+            flipped: row.flipped,
+            overlaps: row.overlaps,
+            seconds,
+        }
+    }
 }
 
 /// Distortion of one chart.

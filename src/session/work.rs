@@ -198,18 +198,17 @@ impl Work {
     }
 
     /// The current cut on the surface as it was given; none at all without a flow.
-    fn cut_mesh(&self, surface: &Surface) -> Result<CutMesh, Problem> {
+    fn cut_mesh(&self, surface: &Surface) -> CutMesh {
         if let Some(segmentation) = self.segmentation() {
-            let cut = segmentation.cut(surface)?;
-            return Ok(cut.unwrap_or_else(|| CutMesh::uncut(&surface.mesh)));
+            return segmentation.cut(surface).unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
         }
-        Ok(match &self.flow {
+        match &self.flow {
             None => CutMesh::uncut(&surface.mesh),
             Some(flow) if surface.solving.is_some() => {
                 flow.cut_mesh_on(&surface.mesh, &surface.geometry)
             }
             Some(flow) => flow.cut_mesh(),
-        })
+        }
     }
 
     /// Whether there is a cut to show.
@@ -298,7 +297,7 @@ impl Work {
         let wrong = |error| Problem::solve(&surface.name, &error);
         let packing = self.layout.as_ref().map(|l| &l.packing);
         if self.segmentation().is_some() {
-            let cut = self.cut_mesh(surface)?;
+            let cut = self.cut_mesh(surface);
             let by = FlattenBy::Bff;
             let charting = Charting { by, splits: false, ..Charting::default() };
             let layout = Layout::sketch(surface, cut, &charting, SHOWN_FLAT, packing)
@@ -319,7 +318,7 @@ impl Work {
         // Nothing is repaired while the cut moves: that would be another cut.
         let by = FlattenBy::Bff;
         let charting = Charting { by, splits: false, ..Charting::default() };
-        let layout = Layout::full(surface, self.cut_mesh(surface)?, &charting, packing)
+        let layout = Layout::full(surface, self.cut_mesh(surface), &charting, packing)
             .map_err(|error| error.problem(&surface.name))?;
         self.put_layout(layout);
         Ok(())
@@ -365,7 +364,7 @@ impl Work {
         if let Some(flow) = &mut self.flow {
             flow.rest();
         }
-        let cut = self.cut_mesh(surface)?;
+        let cut = self.cut_mesh(surface);
         let packing = self.layout.take().map(|layout| layout.packing);
         // Patches of triangles end at edges of the mesh as it is.
         let is_free = self.method != Method::Developable;
@@ -399,42 +398,35 @@ impl Work {
     /// The rows of the table of measures, without their starts.
     pub fn rows(&self) -> Vec<Row> {
         let Some(layout) = &self.layout else { return Vec::new() };
-        let row = |id: &str, label: &str, unit: &str, now: f64| Row {
-            id: id.into(),
-            label: label.into(),
-            unit: unit.into(),
-            now: now.is_finite().then_some(now),
-            start: None,
-        };
         let totals = &layout.measures.totals;
         let mut rows = vec![
-            row("pieces", "Pieces", "", layout.opened.patch_count as f64),
-            row("cut_length", "Cut length", "√A", layout.cut_length()),
-            row("area_distortion", "Area distortion", "", totals.area_distortion),
-            row("angle_distortion", "Angle distortion", "", totals.angle_distortion),
-            row("stretch", "Stretch L²", "", totals.l2_stretch),
-            row("flipped", "Flipped triangles", "", totals.flipped as f64),
-            row("overlaps", "Overlaps", "", layout.overlaps() as f64),
+            Row::new("pieces", "Pieces", "", layout.opened.patch_count as f64),
+            Row::new("cut_length", "Cut length", "√A", layout.cut_length()),
+            Row::new("area_distortion", "Area distortion", "", totals.area_distortion),
+            Row::new("angle_distortion", "Angle distortion", "", totals.angle_distortion),
+            Row::new("stretch", "Stretch L²", "", totals.l2_stretch),
+            Row::new("flipped", "Flipped triangles", "", totals.flipped as f64),
+            Row::new("overlaps", "Overlaps", "", layout.overlaps() as f64),
         ];
         if let Some(set) = self.cones.set.as_ref().filter(|_| self.method == Method::Cones) {
-            rows.push(row("cones", "Cones", "", set.count() as f64));
-            rows.push(row("total_angle", "Total angle Φ", "π", set.total_angle / PI));
-            rows.push(row("int_u2", "Distortion ∫u²", "", set.int_u2));
+            rows.push(Row::new("cones", "Cones", "", set.count() as f64));
+            rows.push(Row::new("total_angle", "Total angle Φ", "π", set.total_angle / PI));
+            rows.push(Row::new("int_u2", "Distortion ∫u²", "", set.int_u2));
         }
         let flow = self.flow.as_ref().filter(|_| self.method == Method::CutFlow);
         if let Some(flow) = flow {
             let energy = flow.state().energy();
-            rows.push(row("dirichlet", "Dirichlet ∫|∇u|²", "", energy.dirichlet));
-            rows.push(row("hencky", "Hencky ∫u²", "", energy.hencky));
+            rows.push(Row::new("dirichlet", "Dirichlet ∫|∇u|²", "", energy.dirichlet));
+            rows.push(Row::new("hencky", "Hencky ∫u²", "", energy.hencky));
         }
         if let Some(segmentation) = self.segmentation() {
             rows.extend(segmentation.rows());
         }
         if let Some(flow) = flow.filter(|flow| flow.params().schedule.is_some()) {
-            rows.push(row("alpha", "Length weight α now", "/√A", flow.weights().length));
+            rows.push(Row::new("alpha", "Length weight α now", "/√A", flow.weights().length));
         }
         if layout.disk_cut_length > 0.0 {
-            rows.push(row("disk_cuts", "Added for disks", "√A", layout.disk_cut_length));
+            rows.push(Row::new("disk_cuts", "Added for disks", "√A", layout.disk_cut_length));
         }
         rows
     }

@@ -30,6 +30,7 @@ export function emptyState(on) {
       h("p", {}, "The mesh is not cut yet."),
       h("button", { class: "btn outlined", onclick: on.cut }, "Make the first cut"),
     ],
+    undivided: () => [h("p", {}, "The surface is not divided.")],
     unsolved: () => [
       h("p", {}, "No cones yet: they show where the surface is cut."),
       h("button", { class: "btn outlined", onclick: on.solve }, "Place the cones"),

@@ -12,6 +12,8 @@ export function growthPanel(on) {
   const body = h("tbody");
   const number = (label, value) => h("input", { type: "number", min: 1, step: 1, value, "aria-label": label });
   const [first, second] = [number("First piece", 1), number("Second piece", 2)];
+  const join = h("button", { class: "act", title: "These two become one, whatever the limits say, if it can be laid flat", onclick: () => sew(true) }, "Join");
+  const part = h("button", { class: "act", title: "These two never become one", onclick: () => sew(false) }, "Keep apart");
   const node = h(
     "div",
     { class: "growth", hidden: true },
@@ -22,16 +24,7 @@ export function growthPanel(on) {
       h("thead", {}, h("tr", {}, ...["Stage", "Pieces", "Seam"].map((name) => h("th", { scope: "col" }, name)))),
       body,
     ),
-    h(
-      "div",
-      { class: "sew", role: "group", "aria-label": "Two pieces" },
-      "Pieces ",
-      first,
-      " and ",
-      second,
-      h("button", { class: "act", title: "These two become one, whatever the limits say, if it can be laid flat", onclick: () => sew(true) }, "Join"),
-      h("button", { class: "act", title: "These two never become one", onclick: () => sew(false) }, "Keep apart"),
-    ),
+    h("div", { class: "sew", role: "group", "aria-label": "Two pieces" }, "Pieces ", first, " and ", second, join, part),
     h("button", { class: "act", title: "Starts the cut flow from these pieces: it moves their borders to lower the distortion", onclick: on.handOver }, "Improve by the cut flow"),
   );
   let rows = [];
@@ -61,6 +54,9 @@ export function growthPanel(on) {
         if (isActive) rows[i].row.setAttribute("aria-current", "step");
         else rows[i].row.removeAttribute("aria-current");
       });
+      const { pieces, is_active: isActive } = stages.at(-1) ?? {};
+      // There are two pieces to choose once merging is over, if it has left two.
+      for (const control of [first, second, join, part]) control.disabled = isActive || !(pieces > 1);
       node.hidden = stages.length === 0;
     },
     clear() {

@@ -18,6 +18,8 @@ export function methodTabs(choose, say) {
         const isCurrent = tab.id === `tab-${current}`;
         tab.setAttribute("aria-selected", String(isCurrent));
         tab.tabIndex = isCurrent ? 0 : -1;
+        // Narrow windows show a part of the row.
+        if (isCurrent) tab.scrollIntoView({ block: "nearest", inline: "nearest" });
       }
     },
     /** Whether there is such a method; says so where there is none. */

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use cutflow::session::{Compared, ComparisonRow, Problem, cut_from_json, specimen};
-use serde::Serialize;
+use cutflow::session::{Compared, ComparisonReport, Problem, cut_from_json, specimen};
 
 use super::{MeshArgs, Report, clock, open, read, write_json, writes_to_stdout};
 
@@ -17,44 +16,6 @@ pub struct CompareArgs {
     cut: Option<PathBuf>,
     #[command(flatten)]
     pub report: Report,
-}
-
-/// A row of the table.
-#[derive(Serialize)]
-struct Row {
-    method: &'static str,
-    faces: usize,
-    rim_sides: usize,
-    /// Mean error of a rim side's length, over their mean length.
-    length_error: f64,
-    /// Mean error of a rim corner's angle, radians.
-    angle_error: f64,
-    area_change: f64,
-    area_change_abs: f64,
-    l2_stretch: f64,
-    l2_stretch_normalized: f64,
-    flipped: usize,
-    overlaps: usize,
-    seconds: f64,
-}
-
-impl Row {
-    fn new(row: &ComparisonRow, seconds: f64) -> Self {
-        Self {
-            method: row.method.name(),
-            faces: row.faces,
-            rim_sides: row.rim_sides,
-            length_error: row.length_error,
-            angle_error: row.angle_error,
-            area_change: row.area_change,
-            area_change_abs: row.area_change_abs,
-            l2_stretch: row.l2_stretch,
-            l2_stretch_normalized: row.l2_stretch_normalized,
-            flipped: row.flipped,
-            overlaps: row.overlaps,
-            seconds,
-        }
-    }
 }
 
 pub fn run(args: &CompareArgs) -> Result<(), Problem> {
@@ -72,7 +33,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Problem> {
             .flatten(&specimen)
             .map_err(|error| Problem::solve(&document.name, &error.into()))?;
         let seconds = clock.elapsed().as_secs_f64();
-        rows.push(Row::new(&specimen.row(method, &charts), seconds));
+        rows.push(ComparisonReport::new(&specimen.row(method, &charts), seconds));
     }
     if !writes_to_stdout(&args.report) {
         say!(

@@ -17,6 +17,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Point2;
 
+use crate::linalg::dot;
 use crate::methods::flow::Status;
 
 /// Angles that change less (radians) stand still, and constraints are kept to it (lengths in units of their mean).
@@ -402,19 +403,6 @@ fn eliminate(factor: &mut [f64], m: usize, i: usize) -> bool {
     row[i] = rest.max(0.0).sqrt();
     // A pivot below the rounding errors of its own row has no digit.
     rest > 4.0 * f64::EPSILON * full
-}
-
-/// Four sums at a time: the compiler may not reorder one.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in a4.zip(b4) {
-        for k in 0..4 {
-            sums[k] += x[k] * y[k];
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 #[cfg(test)]

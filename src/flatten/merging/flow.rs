@@ -1,4 +1,4 @@
-//! The flow: trials, and one accepted merge after another.
+//! The flow: patches and their cut from the first charts to the last merge.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -8,17 +8,12 @@ use super::network::{Curve, connected_charts, curves};
 use super::params::{MergeParams, MergeStrategy, MergeWishes};
 use super::split::bisect;
 use super::state::{MergePhase, MergeState, PatchInfo};
-use super::trial::{Bench, Failure, Limits, Map, Reject};
+use super::trial::{Bench, Limits, Map, Reject};
+use super::ways::Way;
 use crate::flatten::small;
 use crate::geometry::Geometry;
 use crate::mesh::{EdgeId, FaceId, Mesh};
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
-
-/// What is added to A_abs when merges are compared: isometric ones differ by the seam that they remove.
-const GROUND: f64 = 0.01;
-
-/// Power of the smaller patch's area in the order of merges: small patches are used up first, while they still fit anywhere.
-const SMALL_FIRST: f64 = 0.25;
 
 /// What new parameters did to a flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,45 +37,7 @@ pub(super) struct Member {
     pub is_forced: bool,
     pub area: f64,
     /// Of its charts and of what its cut differs in from their borders.
-    hash: u128,
-}
-
-/// A merge that passes.
-#[derive(Clone)]
-struct Offer {
-    removed: Vec<EdgeId>,
-    darts: Vec<EdgeId>,
-    map: Map,
-}
-
-/// A way to merge a pair: the seam that goes, and what is known of it.
-#[derive(Clone)]
-pub(super) struct Way {
-    edges: Vec<EdgeId>,
-    /// What A_abs + .01 is multiplied with to make its key.
-    factor: f64,
-    /// Its key if there is an offer, else a lower bound of it: the bits of a positive number, which are ordered like it.
-    rank: u64,
-    /// Whether it has waited once already.
-    has_waited: bool,
-    offer: Option<Offer>,
-}
-
-/// What a few trials led to.
-pub(super) enum Advance {
-    Merged,
-    /// Trials are left.
-    Busy,
-    /// Nothing is left that passes.
-    Nothing,
-}
-
-/// What became of a trial.
-enum Tried {
-    Passed(Offer),
-    /// The boundary alone says that the key is at least this: others come first.
-    Later(f64),
-    Failed,
+    pub hash: u128,
 }
 
 /// Merges charts into patches that flatten, one bounded step at a time.
@@ -108,8 +65,9 @@ pub struct MergeFlow {
     /// Pairs whose ways have yet to be listed.
     pub(super) pending: BTreeSet<[u32; 2]>,
     /// Curves that the paper's strategy has yet to look at.
-    unseen: BTreeSet<u32>,
-    rejected: BTreeMap<u128, Reject>,
+    pub(super) unseen: BTreeSet<u32>,
+    /// What is known to fail, by what it is made of.
+    pub(super) rejected: BTreeMap<u128, Reject>,
     pub(super) mirror: Option<Mirror>,
     pub(super) member_of_chart: Vec<u32>,
     /// Charts as they were to begin with.
@@ -322,7 +280,7 @@ impl MergeFlow {
         }
     }
 
-    fn joined_faces(&self, pair: [u32; 2]) -> Vec<FaceId> {
+    pub(super) fn joined_faces(&self, pair: [u32; 2]) -> Vec<FaceId> {
         let parts = pair.map(|p| self.members[p as usize].as_ref());
         let mut faces: Vec<FaceId> =
             parts.iter().flatten().flat_map(|m| m.faces.iter().copied()).collect();
@@ -386,165 +344,8 @@ impl MergeFlow {
         Ok(())
     }
 
-    /// Whether two patches may meet at all.
-    fn may_join(&self, pair: [u32; 2]) -> bool {
-        let [Some(p), Some(q)] = pair.map(|i| self.members[i as usize].as_ref()) else {
-            return false;
-        };
-        let is_apart = self.wishes.apart.iter().any(|[a, b]| {
-            (p.labels.contains(a) && q.labels.contains(b))
-                || (p.labels.contains(b) && q.labels.contains(a))
-        });
-        let is_loose = |m: &Member| m.charts.len() == 1 && self.loose.contains(&m.charts[0]);
-        let is_barred = is_apart || (is_loose(p) && is_loose(q));
-        !is_barred
-            && p.area + q.area <= self.params.max_patch_area * self.total_area * (1.0 + 1e-12)
-    }
-
-    /// Lists the ways to merge a pair: all its curves at once, and each alone.
-    fn list_ways(&mut self, pair: [u32; 2]) {
-        if !self.may_join(pair) {
-            return;
-        }
-        let Some(curves) = self.between.get(&pair) else { return };
-        let edges_of = |c: &u32| self.curves[*c as usize].edges.clone();
-        let mut ways: Vec<Vec<EdgeId>> = curves.iter().map(edges_of).collect();
-        if curves.len() > 1 {
-            ways.push(curves.iter().flat_map(edges_of).collect());
-        }
-        let [p, q] = pair.map(|i| self.members[i as usize].as_ref().map_or(0.0, |m| m.area));
-        let smaller = (p.min(q) / self.total_area).powf(SMALL_FIRST);
-        let mut listed = Vec::new();
-        for edges in ways {
-            let mut removed = self.bench.remove(&edges);
-            self.bench.zip(&mut removed);
-            removed.iter().for_each(|&e| self.bench.set_cut(e, true));
-            let length: f64 = removed.iter().map(|&e| self.priced_length(e)).sum();
-            listed.push((length > 0.0).then(|| {
-                let factor = smaller / length;
-                Way {
-                    edges,
-                    factor,
-                    rank: (GROUND * factor).to_bits(),
-                    has_waited: false,
-                    offer: None,
-                }
-            }));
-        }
-        for (i, way) in listed.iter().enumerate() {
-            self.queue.extend(way.as_ref().map(|way| (way.rank, pair, small(i))));
-        }
-        self.ways.insert(pair, listed);
-    }
-
-    /// What an edge of a seam costs: its length, times its price where there is one.
-    fn priced_length(&self, e: EdgeId) -> f64 {
-        let price = self.wishes.prices.get(e.index()).copied().unwrap_or(1.0);
-        price * self.bench.geometry.edge_length(e)
-    }
-
-    /// Forgets the ways to merge a pair.
-    fn drop_ways(&mut self, pair: [u32; 2]) {
-        for (i, way) in self.ways.remove(&pair).into_iter().flatten().enumerate() {
-            if let Some(way) = way {
-                self.queue.remove(&(way.rank, pair, small(i)));
-            }
-        }
-    }
-
-    /// One trial, and more with darts where they may help. The cut is as before afterwards.
-    ///
-    /// **Takes** the A_tot from which on others come first.
-    fn try_way(&mut self, pair: [u32; 2], edges: &[EdgeId], enough: f64, zips: bool) -> Tried {
-        let mut removed = self.bench.remove(edges);
-        if removed.is_empty() {
-            return Tried::Failed;
-        }
-        if zips {
-            self.bench.zip(&mut removed);
-        }
-        let tried = self.try_cut(pair, &removed, enough, zips);
-        removed.iter().for_each(|&e| self.bench.set_cut(e, true));
-        match tried {
-            Ok((map, darts)) => Tried::Passed(Offer { removed, darts, map }),
-            Err(Reject::Later(bound)) => Tried::Later(bound),
-            Err(_) => Tried::Failed,
-        }
-    }
-
-    /// A map of a pair along the present cut, and the darts that it needs.
-    fn try_cut(
-        &mut self,
-        pair: [u32; 2],
-        removed: &[EdgeId],
-        enough: f64,
-        allows_darts: bool,
-    ) -> Result<(Map, Vec<EdgeId>), Reject> {
-        let faces = self.joined_faces(pair);
-        let mut key = removed.iter().fold(0, |key, e| key ^ hash(1, e.0));
-        for member in pair.iter().filter_map(|&p| self.members[p as usize].as_ref()) {
-            key ^= member.hash;
-        }
-        let count = if allows_darts { self.params.darts } else { 0 };
-        let wanted = Limits { enough, ..self.limits() };
-        let failure =
-            match self.flatten_once(key, &faces, &Limits { wants_darts: count > 0, ..wanted }) {
-                Ok(map) => return Ok((map, Vec::new())),
-                Err(failure) => failure,
-            };
-        // What darts lead to is not postponed: the boundary without them says nothing about it.
-        let wanted = Limits { enough: f64::INFINITY, ..wanted };
-        let first_darts = failure.darts;
-        for kind in 0..first_darts.len() {
-            if first_darts[..kind].contains(&first_darts[kind]) {
-                continue;
-            }
-            let (mut darts, mut key, mut next) = (Vec::new(), key, first_darts[kind].clone());
-            let mut found = None;
-            for left in (0..count).rev() {
-                let Some(dart) = next else { break };
-                for e in dart {
-                    self.bench.set_cut(e, true);
-                    darts.push(e);
-                    key ^= hash(1, e.0);
-                }
-                let limits = Limits { wants_darts: left > 0, ..wanted };
-                match self.flatten_once(key, &faces, &limits) {
-                    Ok(map) => {
-                        found = Some(map);
-                        break;
-                    }
-                    Err(Failure { mut darts, .. }) => next = darts[kind].take(),
-                }
-            }
-            darts.iter().for_each(|&e| self.bench.set_cut(e, false));
-            if let Some(map) = found {
-                return Ok((map, darts));
-            }
-        }
-        Err(failure.reject)
-    }
-
-    /// One trial, unless it is known to fail.
-    fn flatten_once(
-        &mut self,
-        key: u128,
-        faces: &[FaceId],
-        limits: &Limits,
-    ) -> Result<Map, Failure> {
-        if let Some(reject) = self.rejected.get(&key).filter(|reject| limits.still_reject(reject)) {
-            return Err((*reject).into());
-        }
-        let found = self.bench.flatten(faces, limits);
-        if let Err(Failure { reject, .. }) = &found
-            && !matches!(reject, Reject::Later(_))
-        {
-            self.rejected.insert(key, *reject);
-        }
-        found
-    }
-
-    fn limits(&self) -> Limits {
+    /// What is asked of a patch.
+    pub(super) fn limits(&self) -> Limits {
         let limits = Limits::of(&self.params);
         match self.params.strategy {
             MergeStrategy::Paper => Limits { rigid_steps: 0, ..limits },
@@ -553,7 +354,7 @@ impl MergeFlow {
     }
 
     /// Makes one patch of two. The cut is brought up to date.
-    fn merge(
+    pub(super) fn merge(
         &mut self,
         pair: [u32; 2],
         removed: &[EdgeId],
@@ -597,130 +398,6 @@ impl MergeFlow {
         self.drop_ways(pair);
         self.pending.remove(&pair);
         self.state.merges += 1;
-    }
-
-    /// Merges a pair and its image, or neither. Gives whether it did.
-    fn merge_images(&mut self, pair: [u32; 2], edges: &[EdgeId], offer: Offer) -> bool {
-        let image = self.mirror.as_ref().and_then(|mirror| {
-            let image = pair.map(|i| {
-                let face = self.members[i as usize].as_ref().map_or(FaceId(0), |m| m.faces[0]);
-                self.member_of_chart[self.face_charts[mirror.face(face).index()] as usize]
-            });
-            let image = [image[0].min(image[1]), image[0].max(image[1])];
-            (image != pair).then(|| (image, mirror.edges(edges)))
-        });
-        let Some((image, edges)) = image else {
-            self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
-            return true;
-        };
-        let saved = (self.members.clone(), self.between.clone(), self.ways.clone());
-        let waiting = (self.queue.clone(), self.pending.clone(), self.member_of_chart.clone());
-        let (first_removed, first_darts) = (offer.removed.clone(), offer.darts.clone());
-        self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
-        // Where the two share a patch, it is now part of the first one's union.
-        let image = image.map(|i| if pair.contains(&i) { pair[0] } else { i });
-        let image = [image[0].min(image[1]), image[0].max(image[1])];
-        if self.may_join(image)
-            && let Tried::Passed(other) = self.try_way(image, &edges, f64::INFINITY, true)
-        {
-            self.merge(image, &other.removed, &other.darts, other.map, false);
-            return true;
-        }
-        first_darts.iter().for_each(|&e| self.bench.set_cut(e, false));
-        first_removed.iter().for_each(|&e| self.bench.set_cut(e, true));
-        (self.members, self.between, self.ways) = saved;
-        (self.queue, self.pending, self.member_of_chart) = waiting;
-        self.state.merges -= 1;
-        false
-    }
-
-    /// Trials until a step is full or the best merge is known; then that.
-    ///
-    /// Ways wait in one queue, those that were tried by their key, others by a lower bound of it. What comes first and was tried is the best there is.
-    fn best_first_step(&mut self) {
-        match self.advance(self.params.trials_per_step) {
-            Advance::Merged => self.picture(),
-            Advance::Busy => {}
-            Advance::Nothing => {
-                self.state.phase = MergePhase::Improving;
-                self.begin_round();
-            }
-        }
-    }
-
-    /// Trials until there were so many or the best merge is done.
-    pub(super) fn advance(&mut self, trials: usize) -> Advance {
-        while let Some(pair) = self.pending.pop_first() {
-            self.list_ways(pair);
-        }
-        let before = self.bench.trials;
-        while self.bench.trials < before + trials {
-            let Some((_, pair, index)) = self.queue.pop_first() else {
-                return Advance::Nothing;
-            };
-            let slot = self.ways.get_mut(&pair).and_then(|ways| ways[index as usize].take());
-            let Some(mut way) = slot else { continue };
-            if let Some(offer) = way.offer {
-                if self.merge_images(pair, &way.edges, offer) {
-                    return Advance::Merged;
-                }
-                continue;
-            }
-            let next = self.queue.first().map_or(f64::INFINITY, |next| f64::from_bits(next.0));
-            let enough = if way.has_waited { f64::INFINITY } else { next / way.factor - GROUND };
-            let key = match self.try_way(pair, &way.edges, enough, true) {
-                Tried::Failed => continue,
-                Tried::Later(bound) => {
-                    way.has_waited = true;
-                    (bound + GROUND) * way.factor
-                }
-                Tried::Passed(offer) => {
-                    let key = (offer.map.measures.area_absolute + GROUND) * way.factor;
-                    way.offer = Some(offer);
-                    key
-                }
-            };
-            way.rank = key.to_bits();
-            self.queue.insert((way.rank, pair, index));
-            if let Some(ways) = self.ways.get_mut(&pair) {
-                ways[index as usize] = Some(way);
-            }
-        }
-        Advance::Busy
-    }
-
-    /// The paper's: curves by the area on both sides, largest first, each once.
-    fn paper_step(&mut self) {
-        let before = self.bench.trials;
-        while self.bench.trials < before + self.params.trials_per_step {
-            let mut next: Option<(f64, u32, [u32; 2])> = None;
-            for (&pair, curves) in &self.between {
-                let area: f64 = pair
-                    .iter()
-                    .filter_map(|&p| self.members[p as usize].as_ref())
-                    .map(|m| m.area)
-                    .sum();
-                for &c in curves.iter().filter(|c| self.unseen.contains(c)) {
-                    if next.is_none_or(|(a, i, _)| area > a || (area >= a && c < i)) {
-                        next = Some((area, c, pair));
-                    }
-                }
-            }
-            let Some((_, curve, pair)) = next else {
-                self.state.phase = MergePhase::Checking;
-                return;
-            };
-            self.unseen.remove(&curve);
-            if !self.may_join(pair) {
-                continue;
-            }
-            let edges = self.curves[curve as usize].edges.clone();
-            if let Tried::Passed(offer) = self.try_way(pair, &edges, f64::INFINITY, false) {
-                self.merge(pair, &offer.removed, &[], offer.map, false);
-                self.picture();
-                return;
-            }
-        }
     }
 
     /// Makes the public state from what is known.
@@ -840,7 +517,7 @@ impl Flow for MergeFlow {
 }
 
 /// A number for each chart and each edge, by the mixing steps of SplitMix64 (Steele, Lea, Flood 2014), twice.
-fn hash(kind: u32, number: u32) -> u128 {
+pub(super) fn hash(kind: u32, number: u32) -> u128 {
     let mix = |seed: u64| {
         let mut z = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -1,6 +1,7 @@
 //! Improvements: one patch after another is dissolved into its charts, which other patches take up if they can.
 
-use super::flow::{Advance, MergeFlow};
+use super::flow::MergeFlow;
+use super::order::Advance;
 use super::state::MergePhase;
 use crate::flatten::small;
 use crate::mesh::EdgeId;

@@ -17,10 +17,12 @@ mod gate;
 mod improve;
 mod mirror;
 mod network;
+mod order;
 mod params;
 mod split;
 mod state;
 mod trial;
+mod ways;
 
 pub use flow::{MergeFlow, ParamsChange};
 pub use gate::ChartGate;

@@ -161,8 +161,10 @@ impl DenoiseFlow {
     }
 }
 
-/// For each face the unit normal of its chart; zero where a chart's faces cancel out.
-fn chart_normals(mesh: &Mesh, geometry: &Geometry, face_charts: &[u32]) -> Vec<Vector3<f64>> {
+/// For each face the unit normal of its chart, the mean of its faces' by area; zero where they cancel out.
+///
+/// **Takes** a chart for each face, any numbers.
+pub fn chart_normals(mesh: &Mesh, geometry: &Geometry, face_charts: &[u32]) -> Vec<Vector3<f64>> {
     let mut names = face_charts.to_vec();
     names.sort_unstable();
     names.dedup();

@@ -564,7 +564,7 @@ impl Flow for PhaseFieldFlow {
         &self.progress.state
     }
 
-    /// One iteration; with it may go the end of a start and the evaluation of the next one. After an error nothing has changed.
+    /// One iteration; with it may go the end of a start and the evaluation of the next one. After an error the state is the last accepted one.
     fn step(&mut self) -> Result<StepReport, SolveError> {
         if self.progress.status != Status::Running {
             return Ok(self.report());

@@ -2,7 +2,6 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -12,25 +11,15 @@ use super::super::surface::{Surface, face_to_vertex};
 use super::super::text::{Problem, plural};
 use super::super::work::Work;
 use super::report::{DevelopReport, DevelopSeconds, PatchRow, not_divided, status_word};
-use super::{Inputs, Segmentation, row};
+use super::run::{Hands, Run, Stage, keeps_charts, parts, plan, wishes};
+use super::{Inputs, Segmentation};
 use crate::flatten::Flattening;
-use crate::flatten::merging::{
-    AreaMeasure, ChartGate, MergeFlow, MergeParams, MergePhase, MergeStrategy, MergeWishes,
-    ParamsChange,
-};
+use crate::flatten::merging::{MergePhase, ParamsChange, PatchInfo};
 use crate::geometry::Geometry;
-use crate::mesh::{CutMesh, EdgeId, Mesh, OpenedMesh};
+use crate::mesh::{CutMesh, Mesh, OpenedMesh};
 use crate::methods::cutflow::Initial;
-use crate::methods::developable::{
-    DenoiseFlow, DenoiseParams, RefineFlow, RefineParams, VsaFlow, VsaParams,
-};
+use crate::methods::developable::chart_normals;
 use crate::methods::flow::{Flow, SolveError, Status};
-
-/// How far beyond the tolerance moved borders may take a first piece. Without bound borders become much smoother and pieces do not flatten any more.
-const SLACK: f64 = 1.2;
-
-/// Paint from which a place counts as painted.
-const PAINTED: f64 = 0.5;
 
 /// How patches come about, stage by stage.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -66,177 +55,9 @@ pub struct Developable {
     has_dropped: bool,
 }
 
-/// What a person asks for, by the numbers of first pieces.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Hands {
-    apart: Vec<[u32; 2]>,
-    together: Vec<[u32; 2]>,
-}
-
-/// What a run is made for.
-#[derive(Clone, Debug, PartialEq)]
-struct Plan {
-    vsa: VsaParams,
-    tightens: bool,
-    smooths: bool,
-    merge: MergeParams,
-    /// What an edge costs beyond its length; empty for nothing.
-    factors: Rc<Vec<f64>>,
-    kept: Rc<Vec<EdgeId>>,
-}
-
-/// A run and where it is.
-#[derive(Clone)]
-struct Run {
-    plan: Plan,
-    hands: Hands,
-    mesh: Arc<Mesh>,
-    geometry: Arc<Geometry>,
-    /// What merging measures: the surface with smooth borders, or the surface.
-    merged_on: Arc<Geometry>,
-    stage: Stage,
-    /// Pieces and seam after the stages that are over.
-    after: [Option<(usize, f64)>; 4],
-    /// Charts that merging began with.
-    charts: Rc<Vec<u32>>,
-    steps: usize,
-    curve: Vec<Event>,
-}
-
-#[derive(Clone)]
-enum Stage {
-    Vsa(VsaFlow),
-    Tighten(RefineFlow, Box<ChartGate>),
-    Smooth(DenoiseFlow),
-    Merge(Box<MergeFlow>),
-}
-
 /// What Undo goes back to.
 #[derive(Clone)]
 pub struct DevelopCheckpoint(Rc<Run>);
-
-impl Run {
-    fn new(surface: &Surface, plan: Plan, hands: Hands) -> Result<Self, SolveError> {
-        let (mesh, geometry) = (surface.mesh.clone(), surface.geometry.clone());
-        let flow = VsaFlow::new(mesh.clone(), geometry.clone(), plan.vsa)?;
-        let mut run = Self {
-            plan,
-            hands,
-            merged_on: geometry.clone(),
-            mesh,
-            geometry,
-            stage: Stage::Vsa(flow),
-            after: [None; 4],
-            charts: Rc::default(),
-            steps: 0,
-            curve: Vec::new(),
-        };
-        run.tell();
-        Ok(run)
-    }
-
-    /// Adds the length of all seams to the curve.
-    fn tell(&mut self) {
-        let (step, total) = (self.steps, self.seam());
-        self.curve.push(Event::Energy { step, total, terms: Vec::new() });
-    }
-
-    fn status(&self) -> Status {
-        match &self.stage {
-            Stage::Merge(flow) => flow.status(),
-            // Another stage follows.
-            _ => Status::Running,
-        }
-    }
-
-    fn face_charts(&self) -> &[u32] {
-        match &self.stage {
-            Stage::Vsa(flow) => &flow.state().face_charts,
-            Stage::Tighten(flow, _) => &flow.state().face_charts,
-            Stage::Smooth(_) => &self.charts,
-            Stage::Merge(flow) => &flow.state().face_patches,
-        }
-    }
-
-    fn count(&self) -> usize {
-        match &self.stage {
-            Stage::Vsa(flow) => flow.state().charts.len(),
-            Stage::Tighten(flow, _) => flow.state().charts,
-            Stage::Smooth(_) => count_of(&self.charts),
-            Stage::Merge(flow) => flow.state().patches.len(),
-        }
-    }
-
-    fn seam(&self) -> f64 {
-        match &self.stage {
-            Stage::Vsa(flow) => border(&self.mesh, &self.geometry, &flow.state().face_charts),
-            Stage::Tighten(flow, _) => flow.state().length,
-            Stage::Smooth(_) => border(&self.mesh, &self.geometry, &self.charts),
-            Stage::Merge(flow) => flow.state().seam_length,
-        }
-    }
-
-    /// The place of the stage among all.
-    fn number(&self) -> usize {
-        match self.stage {
-            Stage::Vsa(_) => 0,
-            Stage::Tighten(..) => 1,
-            Stage::Smooth(_) => 2,
-            Stage::Merge(_) => 3,
-        }
-    }
-
-    fn step(&mut self) -> Result<(), SolveError> {
-        let status = match &mut self.stage {
-            Stage::Vsa(flow) => flow.step()?.status,
-            Stage::Tighten(flow, gate) => {
-                flow.step_if(&mut |charts, pair| gate.accepts(charts, pair))?.status
-            }
-            Stage::Smooth(flow) => flow.step()?.status,
-            Stage::Merge(flow) => {
-                flow.step()?;
-                Status::Running
-            }
-        };
-        self.steps += 1;
-        self.tell();
-        if status == Status::Running { Ok(()) } else { self.next_stage() }
-    }
-
-    /// Goes on to what follows, where a stage is over.
-    fn next_stage(&mut self) -> Result<(), SolveError> {
-        let number = self.number();
-        self.after[number] = Some((self.count(), self.seam()));
-        if let Stage::Smooth(flow) = &self.stage {
-            let places = flow.state().positions.clone();
-            self.merged_on = Arc::new(Geometry::measure(&self.mesh, places));
-        } else {
-            self.charts = Rc::new(self.face_charts().to_vec());
-        }
-        let (mesh, geometry) = (self.mesh.clone(), self.geometry.clone());
-        self.stage = if number < 1 && self.plan.tightens {
-            // Pieces may lose a little of their flatness for better borders.
-            let tolerance = SLACK * self.plan.vsa.tolerance;
-            // Where places are to be avoided, the way around them is longer.
-            let may_lengthen = !self.plan.factors.is_empty();
-            let params = RefineParams { tolerance, may_lengthen, ..RefineParams::default() };
-            let prices = &self.plan.factors;
-            let flow = RefineFlow::new(mesh.clone(), &geometry, &self.charts, params, prices)?;
-            let charts = &flow.state().face_charts;
-            let gate = ChartGate::new(mesh, geometry, charts, &self.plan.merge);
-            Stage::Tighten(flow, Box::new(gate))
-        } else if number < 2 && self.plan.smooths {
-            let params = DenoiseParams::default();
-            Stage::Smooth(DenoiseFlow::new(mesh, &geometry, &self.charts, params)?)
-        } else {
-            let on = self.merged_on.clone();
-            let wishes = wishes(&self.plan, &self.hands, &self.mesh, &self.charts);
-            let flow = MergeFlow::new(mesh, on, &self.charts, self.plan.merge, wishes)?;
-            Stage::Merge(Box::new(flow))
-        };
-        Ok(())
-    }
-}
 
 impl Developable {
     /// What is needed to come back; the same one as long as nothing has changed.
@@ -387,9 +208,9 @@ impl Segmentation for Developable {
         Some(vertex_labels(&run.mesh, &run.geometry, run.face_charts()))
     }
 
-    fn cut(&self, _: &Surface) -> Result<Option<CutMesh>, Problem> {
-        let Some(run) = &self.run else { return Ok(None) };
-        Ok(Some(match &run.stage {
+    fn cut(&self, _: &Surface) -> Option<CutMesh> {
+        let run = self.run.as_ref()?;
+        Some(match &run.stage {
             Stage::Merge(flow) => flow.cut_mesh(),
             _ => {
                 let mut cut = CutMesh::uncut(&run.mesh);
@@ -398,7 +219,7 @@ impl Segmentation for Developable {
                 cut.cut_edges = edges.map(|e| run.mesh.edge_vertices(e).map(|v| v.0)).collect();
                 cut
             }
-        }))
+        })
     }
 
     fn curve(&self) -> &[Event] {
@@ -409,15 +230,18 @@ impl Segmentation for Developable {
         let Some(run) = &self.run else { return Vec::new() };
         let Stage::Merge(flow) = &run.stage else { return Vec::new() };
         let state = flow.state();
-        let worst = |of: fn(&crate::flatten::merging::PatchInfo) -> f64| {
-            state.patches.iter().map(of).fold(0.0, f64::max)
-        };
+        let worst = |of: fn(&PatchInfo) -> f64| state.patches.iter().map(of).fold(0.0, f64::max);
         let first = run.after[0].map_or(f64::NAN, |(pieces, _)| pieces as f64);
         vec![
-            row("first_pieces", "First pieces", "", first),
-            row("dart_length", "Darts", "√A", state.dart_length),
-            row("worst_total", "Area change, worst piece", "%", 100.0 * worst(|p| p.area_total)),
-            row("worst_area", "anywhere in it", "%", 100.0 * worst(|p| p.area_absolute)),
+            Row::new("first_pieces", "First pieces", "", first),
+            Row::new("dart_length", "Darts", "√A", state.dart_length),
+            Row::new(
+                "worst_total",
+                "Area change, worst piece",
+                "%",
+                100.0 * worst(|p| p.area_total),
+            ),
+            Row::new("worst_area", "anywhere in it", "%", 100.0 * worst(|p| p.area_absolute)),
         ]
     }
 
@@ -425,7 +249,11 @@ impl Segmentation for Developable {
         let Some(run) = self.run.as_ref().filter(|_| id == "normal_error") else {
             return Ok(None);
         };
-        let errors = normal_errors(&run.mesh, &run.geometry, run.face_charts());
+        // |n − N|², N the mean normal of the piece.
+        let means = chart_normals(&run.mesh, &run.geometry, run.face_charts());
+        let normals = run.geometry.face_normals(&run.mesh);
+        let errors: Vec<f64> =
+            normals.iter().zip(&means).map(|(n, mean)| (n - mean).norm_squared()).collect();
         Ok(Some(face_to_vertex(&run.mesh, &run.geometry, &errors)))
     }
 
@@ -494,87 +322,6 @@ impl Segmentation for Developable {
     }
 }
 
-/// Whether first pieces are the same.
-fn keeps_charts(old: &Plan, new: &Plan) -> bool {
-    let only_charts =
-        |plan: &Plan| Plan { merge: MergeParams::default(), kept: Rc::default(), ..plan.clone() };
-    only_charts(old) == only_charts(new)
-}
-
-/// What merging of some charts is asked for beside the limits.
-fn wishes(plan: &Plan, hands: &Hands, mesh: &Mesh, charts: &[u32]) -> MergeWishes {
-    // Paint keeps seams where they are; it makes none.
-    let kept = plan.kept.iter().copied().filter(|&e| parts(mesh, charts, e));
-    MergeWishes {
-        apart: hands.apart.clone(),
-        together: hands.together.clone(),
-        kept_edges: kept.collect(),
-        prices: plan.factors.to_vec(),
-        symmetry: None,
-    }
-}
-
-/// What parameters and paint ask for.
-fn plan(inputs: &Inputs) -> Plan {
-    let Inputs { surface, settings, layers } = *inputs;
-    let mesh = &surface.mesh;
-    let price = settings.number("seam_price");
-    let paint = |layer: &[f64], e: EdgeId| {
-        let [a, b] = mesh.edge_vertices(e).map(|v| layer.get(v.index()).copied().unwrap_or(0.0));
-        a.min(b)
-    };
-    let factors = if layers.penalty.is_empty() {
-        Vec::new()
-    } else {
-        mesh.edges().map(|e| 1.0 + price * paint(&layers.penalty, e)).collect()
-    };
-    let is_kept = |e: &EdgeId| paint(&layers.seams, *e) >= PAINTED;
-    let kept =
-        if layers.seams.is_empty() { Vec::new() } else { mesh.edges().filter(is_kept).collect() };
-    Plan {
-        vsa: VsaParams { tolerance: settings.number("vsa_tolerance"), ..VsaParams::default() },
-        tightens: settings.is_on("min_cut"),
-        smooths: settings.is_on("denoise"),
-        merge: MergeParams {
-            strategy: match settings.text("merge_strategy") {
-                "paper" => MergeStrategy::Paper,
-                _ => MergeStrategy::BestFirst,
-            },
-            measure: match settings.text("merge_measure") {
-                "total" => AreaMeasure::Total,
-                _ => AreaMeasure::Absolute,
-            },
-            area_limit: settings.number("area_limit") / 100.0,
-            l2_limit: settings.number("stretch_limit"),
-            darts: super::super::params::whole(settings.number("darts")),
-            improvements: super::super::params::whole(settings.number("improvements")),
-            max_patch_area: settings.number("patch_limit") / 100.0,
-            ..MergeParams::default()
-        },
-        factors: Rc::new(factors),
-        kept: Rc::new(kept),
-    }
-}
-
-/// Whether an edge lies between two charts.
-fn parts(mesh: &Mesh, charts: &[u32], e: EdgeId) -> bool {
-    let h = e.halfedge();
-    match (mesh.face(h), mesh.face(h.twin())) {
-        (Some(f), Some(g)) => charts[f.index()] != charts[g.index()],
-        _ => false,
-    }
-}
-
-/// Length of all edges between charts.
-fn border(mesh: &Mesh, geometry: &Geometry, charts: &[u32]) -> f64 {
-    let edges = mesh.edges().filter(|&e| parts(mesh, charts, e));
-    edges.map(|e| geometry.edge_length(e)).sum()
-}
-
-fn count_of(charts: &[u32]) -> usize {
-    charts.iter().max().map_or(0, |&most| most as usize + 1)
-}
-
 /// For each vertex the chart of most of the area about it.
 fn vertex_labels(mesh: &Mesh, geometry: &Geometry, charts: &[u32]) -> Vec<u32> {
     let label = |v| {
@@ -592,22 +339,6 @@ fn vertex_labels(mesh: &Mesh, geometry: &Geometry, charts: &[u32]) -> Vec<u32> {
     mesh.vertices().map(label).collect()
 }
 
-/// For each face |n − N|², N the mean normal of its chart.
-fn normal_errors(mesh: &Mesh, geometry: &Geometry, charts: &[u32]) -> Vec<f64> {
-    let normals = geometry.face_normals(mesh);
-    let mut sums = vec![nalgebra::Vector3::zeros(); count_of(charts)];
-    for f in mesh.faces() {
-        sums[charts[f.index()] as usize] += normals[f.index()] * geometry.face_areas[f.index()];
-    }
-    let mean = |chart: u32| sums[chart as usize].try_normalize(0.0);
-    mesh.faces()
-        .map(|f| match mean(charts[f.index()]) {
-            Some(mean) => (normals[f.index()] - mean).norm_squared(),
-            None => 0.0,
-        })
-        .collect()
-}
-
 impl Work {
     /// The report of `cutflow develop`.
     pub(in super::super) fn develop_report(
@@ -620,7 +351,7 @@ impl Work {
         let (patches, darts): (Vec<PatchRow>, f64) = match &run.stage {
             Stage::Merge(flow) => {
                 let state = flow.state();
-                let row = |patch: &crate::flatten::merging::PatchInfo| PatchRow {
+                let row = |patch: &PatchInfo| PatchRow {
                     faces: patch.faces,
                     area: patch.area,
                     area_change: patch.area_total,

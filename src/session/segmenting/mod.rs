@@ -7,6 +7,7 @@ mod driving;
 mod hands;
 mod phase;
 mod report;
+mod run;
 mod specs;
 mod tree;
 
@@ -52,7 +53,7 @@ impl<'a> Inputs<'a> {
 pub(super) trait Segmentation {
     /// Sees to it that there is a flow, and that it knows the parameters and what was painted.
     ///
-    /// **Gives** whether it began anew.
+    /// **Gives** whether anything has changed.
     fn prepare(&mut self, inputs: &Inputs) -> Result<bool, Problem>;
     /// Forgets the flow.
     fn begin_again(&mut self);
@@ -67,7 +68,7 @@ pub(super) trait Segmentation {
     /// A label for each vertex, where there is a flow.
     fn labels(&self) -> Option<Vec<u32>>;
     /// The cut on the surface as it was given, where there is a flow.
-    fn cut(&self, surface: &Surface) -> Result<Option<CutMesh>, Problem>;
+    fn cut(&self, surface: &Surface) -> Option<CutMesh>;
     /// The objective and its terms so far.
     fn curve(&self) -> &[Event];
     /// Rows for the table of measures.
@@ -78,17 +79,6 @@ pub(super) trait Segmentation {
     fn notes(&self) -> Vec<String>;
     /// What a panel of its own shows.
     fn told(&self) -> Option<Event>;
-}
-
-/// A row of the table of measures without its start.
-fn row(id: &str, label: &str, unit: &str, now: f64) -> Row {
-    Row {
-        id: id.into(),
-        label: label.into(),
-        unit: unit.into(),
-        now: now.is_finite().then_some(now),
-        start: None,
-    }
 }
 
 impl Work {

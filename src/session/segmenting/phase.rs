@@ -16,7 +16,7 @@ use super::super::text::{Problem, plural};
 use super::super::work::Work;
 use super::report::{not_divided, status_word};
 use super::tree::{Segment, SegmentTree, colour};
-use super::{Inputs, PhaseFieldReport, Segmentation, row};
+use super::{Inputs, PhaseFieldReport, Segmentation};
 use crate::flatten::{Atlas, AtlasParams};
 use crate::mesh::CutMesh;
 use crate::methods::cutflow::Initial;
@@ -292,11 +292,11 @@ impl Segmentation for PhaseField {
         self.flow.as_ref().map(|flow| flow.state().labels())
     }
 
-    fn cut(&self, surface: &Surface) -> Result<Option<CutMesh>, Problem> {
-        Ok(self.flow.as_ref().map(|flow| match surface.solving {
+    fn cut(&self, surface: &Surface) -> Option<CutMesh> {
+        self.flow.as_ref().map(|flow| match surface.solving {
             Some(_) => flow.cut_mesh_on(&surface.mesh, &surface.geometry),
             None => flow.cut_mesh(),
-        }))
+        })
     }
 
     fn curve(&self) -> &[Event] {
@@ -307,17 +307,17 @@ impl Segmentation for PhaseField {
         let Some(flow) = &self.flow else { return Vec::new() };
         let state = flow.state();
         let mut rows = vec![
-            row("segments", "Segments", "", state.leaves().len() as f64),
-            row("share", "First part", "%", 100.0 * state.tree()[0].terms.area_fraction),
-            row("interface", "Interface ∫ of the phase field", "√A", self.interface(flow)),
+            Row::new("segments", "Segments", "", state.leaves().len() as f64),
+            Row::new("share", "First part", "%", 100.0 * state.tree()[0].terms.area_fraction),
+            Row::new("interface", "Interface ∫ of the phase field", "√A", self.interface(flow)),
         ];
         if flow.params().omega > 0.0 {
-            rows.push(row("yamabe", "Diffuse distortion J", "", self.yamabe()));
+            rows.push(Row::new("yamabe", "Diffuse distortion J", "", self.yamabe()));
         }
         if !self.measures.is_empty() {
             let (length, loss) = self.sums();
-            rows.push(row("level_length", "Level-set length", "√A", length / self.scale));
-            rows.push(row("sharp", "Sharp Hencky loss", "", loss));
+            rows.push(Row::new("level_length", "Level-set length", "√A", length / self.scale));
+            rows.push(Row::new("sharp", "Sharp Hencky loss", "", loss));
         }
         rows
     }

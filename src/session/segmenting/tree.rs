@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::super::picture::COLOURS;
+
 /// A tree of segments. Lengths over √area, losses for a surface of area 4π.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SegmentTree {
@@ -40,5 +42,5 @@ pub struct Segment {
 
 /// The palette as the leaves use it.
 pub(super) fn colour(leaf: usize) -> u8 {
-    u8::try_from(leaf % 9).unwrap_or(0)
+    u8::try_from(leaf % COLOURS).unwrap_or(0)
 }
