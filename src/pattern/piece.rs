@@ -160,24 +160,34 @@ impl Pattern {
                 notices.push(Notice::NoChart { patch });
                 continue;
             }
-            let surface_length = |outline: &Outline, run: &Run| {
+            // Distances along the surface from the first point of a run.
+            let arcs = |outline: &Outline, run: &Run| {
                 let place = |i: usize| {
                     let vertex = outline.vertices[i % outline.vertices.len()];
                     positions[opened.vertex_points[vertex.index()] as usize]
                 };
-                let sides = run.first..run.first + run.sides;
-                sides.map(|i| (place(i + 1) - place(i)).norm()).sum::<f64>() * mm_per_unit
+                let mut arc = 0.0;
+                let rest = (run.first..run.first + run.sides).map(|i| {
+                    arc += (place(i + 1) - place(i)).norm() * mm_per_unit;
+                    arc
+                });
+                std::iter::once(0.0).chain(rest).collect::<Vec<f64>>()
             };
             let seams = outlines.iter().enumerate().flat_map(|(index, (outline, runs))| {
-                runs.iter().map(move |run| Seam {
-                    number: run.number,
-                    partner: run.partner,
-                    outline: index,
-                    first: run.first,
-                    sides: run.sides,
-                    is_closed: run.is_closed,
-                    length_mm: length(&outline.run(run.first, run.sides)),
-                    surface_length_mm: surface_length(outline, run),
+                runs.iter().map(move |run| {
+                    let arcs_mm = arcs(outline, run);
+                    Seam {
+                        number: run.number,
+                        partner: run.partner,
+                        outline: index,
+                        first: run.first,
+                        sides: run.sides,
+                        is_closed: run.is_closed,
+                        is_second: run.is_second,
+                        length_mm: length(&outline.run(run.first, run.sides)),
+                        surface_length_mm: arcs_mm[run.sides],
+                        arcs_mm,
+                    }
                 })
             });
             let seams = seams.collect();

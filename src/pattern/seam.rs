@@ -19,10 +19,23 @@ pub struct Seam {
     pub sides: usize,
     /// Whether it is a whole outline and has no ends. Both sides then start at the same point of the surface.
     pub is_closed: bool,
+    /// Whether this is the side that runs against the seam's own direction: the one met second.
+    pub is_second: bool,
     /// Length in the plane.
     pub length_mm: f64,
     /// Length on the surface, the same on both sides.
     pub surface_length_mm: f64,
+    /// Distance along the surface of each of its points from its first one: `sides + 1` numbers, from 0 to
+    /// `surface_length_mm`.
+    pub arcs_mm: Vec<f64>,
+}
+
+impl Seam {
+    /// The distance along the surface from the seam's own beginning, which both sides share, to a distance from this side's first
+    /// point; and back.
+    pub fn shared_arc(&self, arc_mm: f64) -> f64 {
+        if self.is_second { self.surface_length_mm - arc_mm } else { arc_mm }
+    }
 }
 
 /// Across a seam.
@@ -44,6 +57,7 @@ pub(super) struct Run {
     pub first: usize,
     pub sides: usize,
     pub is_closed: bool,
+    pub is_second: bool,
 }
 
 /// The boundary of the opened surface as loops of sides.
@@ -100,7 +114,8 @@ impl<'a> Rims<'a> {
                 } else {
                     Partner::Patch(across)
                 };
-                runs.push(Run { number, partner, first, sides: count, is_closed });
+                let is_second = met.is_some();
+                runs.push(Run { number, partner, first, sides: count, is_closed, is_second });
             }
             runs
         };

@@ -2,35 +2,71 @@
 
 use super::labels::{Labels, text_width, unit};
 use super::number::millimetre_text;
-use super::piece::{Pattern, Piece, length};
+use super::piece::{Bounds, Pattern, Piece, length};
 use super::seam::Partner;
 
 /// A kind of line or text; drawing programs show or hide each as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Layer {
-    /// What is cut: the outlines.
+    /// What is cut: outlines and holes, with allowance and flaps.
     Cut,
-    /// Where seams end, and what they are sewn to.
-    Seams,
-    /// Names of the pieces.
-    Labels,
-    /// Title and control square.
+    /// Where pieces are sewn or glued: the outlines of the charts, where they are not cut themselves.
+    Sew,
+    /// Balance marks of seams.
+    Notch,
+    /// Along the grain of the material.
+    Grain,
+    /// Folded away from the person who looks at the outer side.
+    FoldMountain,
+    /// Folded towards that person.
+    FoldValley,
+    /// Cut half through, as for the folds of flaps.
+    Score,
+    /// Points to drill or to punch.
+    Drill,
+    /// Marks inside a piece: ends of seams, tips of darts, clips.
+    Internal,
+    /// Names, seams, notes.
+    Text,
+    /// Title, control square, frames of stock sheets.
     Control,
 }
 
-/// A polyline.
+impl Layer {
+    /// All of them, in the order in which they are written.
+    pub const ALL: [Self; 11] = [
+        Self::Cut,
+        Self::Sew,
+        Self::Notch,
+        Self::Grain,
+        Self::FoldMountain,
+        Self::FoldValley,
+        Self::Score,
+        Self::Drill,
+        Self::Internal,
+        Self::Text,
+        Self::Control,
+    ];
+}
+
+/// A polyline, or a smooth curve with a polyline that stands for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Its layer.
     pub layer: Layer,
-    /// Unique on the sheet.
+    /// Unique on the sheet; letters, digits, hyphens and underscores, a letter first.
     pub id: String,
     /// Index of the piece that it belongs to.
     pub piece: Option<usize>,
+    /// Index of the seam of that piece that it belongs to.
+    pub seam: Option<usize>,
     /// Whether the last point is joined to the first, which is not repeated.
     pub is_closed: bool,
     /// Places, mm, y up.
     pub points: Vec<[f64; 2]>,
+    /// Cubic Bézier curves, each by two control points and its end, the first from `points[0]`; empty for a polyline. `points` lie on
+    /// them, so close that chords are off by no more than the tolerance that the curve was fitted with.
+    pub curve: Vec<[[f64; 2]; 3]>,
 }
 
 /// A line of text, upright.
@@ -38,13 +74,13 @@ pub struct Line {
 pub struct Text {
     /// Its layer.
     pub layer: Layer,
-    /// Unique on the sheet.
+    /// Unique on the sheet, as ids of lines are.
     pub id: String,
     /// Index of the piece that it belongs to.
     pub piece: Option<usize>,
     /// Index of the seam of that piece that it is written beside.
     pub seam: Option<usize>,
-    /// Middle of the text, or of its left end.
+    /// Middle of the text, or of its left end; half way up the capitals.
     pub at: [f64; 2],
     /// Whether it begins at `at` instead of being centred there.
     pub is_left: bool,
@@ -54,9 +90,11 @@ pub struct Text {
     pub text: String,
 }
 
-/// Everything that is drawn, from the lower left corner of the sheet.
+/// Everything that is drawn, from the lower left corner of the sheet. Every writer of files writes this and nothing else.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet {
+    /// Name of the model.
+    pub title: String,
     /// Width and height, mm.
     pub size: [f64; 2],
     /// The pieces as they lie on the sheet.
@@ -65,6 +103,8 @@ pub struct Sheet {
     pub lines: Vec<Line>,
     /// Texts, by layer.
     pub texts: Vec<Text>,
+    /// Sheets of stock within, where the pieces are nested on such.
+    pub frames: Vec<Bounds>,
 }
 
 /// What a person wants on the sheet.
@@ -105,7 +145,14 @@ impl Sheet {
         let size = [tenths(inner_width + 2.0 * margin), tenths(height + below + 2.0 * margin)];
         let origin = [margin, size[1] - margin - height];
         pattern.translate(origin);
-        let mut sheet = Self { size, pattern, lines: Vec::new(), texts: Vec::new() };
+        let mut sheet = Self {
+            title: params.title.clone(),
+            size,
+            pattern,
+            lines: Vec::new(),
+            texts: Vec::new(),
+            frames: Vec::new(),
+        };
         for index in 0..sheet.pattern.pieces.len() {
             sheet.draw_piece(index);
         }
@@ -122,8 +169,10 @@ impl Sheet {
             layer,
             id,
             piece: Some(index),
+            seam: None,
             is_closed,
             points,
+            curve: Vec::new(),
         };
         for (k, outline) in piece.outlines.iter().enumerate() {
             let id = if k == 0 { format!("{name}-cut") } else { format!("{name}-hole-{k}") };
@@ -131,7 +180,7 @@ impl Sheet {
         }
         for (k, (outline, point)) in seam_ends(piece).into_iter().enumerate() {
             let points = tick(&piece.outlines[outline].points, point);
-            self.lines.push(line(Layer::Seams, format!("{name}-tick-{}", k + 1), false, points));
+            self.lines.push(line(Layer::Internal, format!("{name}-tick-{}", k + 1), false, points));
         }
         let mut text = |layer, id, seam, (at, height), text| {
             let piece = Some(index);
@@ -146,13 +195,13 @@ impl Sheet {
         let places = labels.place_name(&lines);
         for ((line, place), id) in lines.into_iter().zip(places).zip(["name", "number", "warning"])
         {
-            text(Layer::Labels, format!("{name}-{id}"), None, place, line);
+            text(Layer::Text, format!("{name}-{id}"), None, place, line);
         }
         for (k, seam) in piece.seams.iter().enumerate() {
             let label = piece.seam_label(seam);
             let is_second = seam.partner == Partner::Own { is_second: true };
             let id = format!("{name}-seam-{}{}", seam.number, if is_second { "-b" } else { "" });
-            text(Layer::Seams, id, Some(k), labels.place_beside(seam, &label), label);
+            text(Layer::Text, id, Some(k), labels.place_beside(seam, &label), label);
         }
     }
 
@@ -162,7 +211,9 @@ impl Sheet {
             layer: Layer::Control,
             id: "control-square".into(),
             piece: None,
+            seam: None,
             is_closed: true,
+            curve: Vec::new(),
             points: vec![[low, low], [high, low], [high, high], [low, high]],
         });
         let mut text = |id: String, at, is_left, height, text| {

@@ -24,7 +24,12 @@ pub fn svg(sheet: &Sheet) -> Vec<u8> {
         out += &format!("<title>{}</title>\n", escape(&title.text));
     }
     out += "<desc>Made by Cutflow. Millimetres; pieces seen from the outer side.</desc>\n";
-    for layer in [Layer::Cut, Layer::Seams, Layer::Labels, Layer::Control] {
+    for layer in Layer::ALL {
+        if !sheet.lines.iter().any(|line| line.layer == layer)
+            && !sheet.texts.iter().any(|text| text.layer == layer)
+        {
+            continue;
+        }
         let Style { id, label, stroke, width } = style(layer);
         out += &format!(
             "<g id=\"{id}\" class=\"{id}\" inkscape:groupmode=\"layer\" inkscape:label=\"{label}\" \
@@ -53,8 +58,15 @@ struct Style {
 fn style(layer: Layer) -> Style {
     let (id, label, stroke, width) = match layer {
         Layer::Cut => ("cut", "CUT", "#000000", "0.25"),
-        Layer::Seams => ("seams", "SEAMS", "#5b616c", "0.18"),
-        Layer::Labels => ("labels", "LABELS", "#1b1d22", "0.18"),
+        Layer::Sew => ("sew", "SEW", "#2f6fb5", "0.18"),
+        Layer::Notch => ("notch", "NOTCH", "#000000", "0.25"),
+        Layer::Grain => ("grain", "GRAIN", "#5b616c", "0.18"),
+        Layer::FoldMountain => ("fold_m", "FOLD_M", "#5b616c", "0.18"),
+        Layer::FoldValley => ("fold_v", "FOLD_V", "#5b616c", "0.18"),
+        Layer::Score => ("score", "SCORE", "#5b616c", "0.18"),
+        Layer::Drill => ("drill", "DRILL", "#5b616c", "0.18"),
+        Layer::Internal => ("internal", "INTERNAL", "#5b616c", "0.18"),
+        Layer::Text => ("text", "TEXT", "#1b1d22", "0.18"),
         Layer::Control => ("control", "CONTROL", "#5b616c", "0.25"),
     };
     Style { id, label, stroke, width }
