@@ -17,7 +17,7 @@ use super::paint::with_paint;
 use super::surface::Surface;
 use super::text::Problem;
 use super::work::{Pending, start_flow};
-use super::{Session, nothing_open};
+use super::{Entry, Gift, Session, nothing_open};
 use crate::geometry::visibility;
 use crate::mesh::VertexId;
 
@@ -62,8 +62,9 @@ impl Session {
     /// Takes something in; the flow starts from it, or acts on it from the next step on.
     pub fn bring(&mut self, what: Brought) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
-        if let Err(problem) = self.bring_in(what, &mut events) {
-            self.refuse(problem, &mut events);
+        match self.bring_in(what, &mut events) {
+            Ok(()) => self.log.push(Entry::Bring(Gift::of(&what))),
+            Err(problem) => self.refuse(problem, &mut events),
         }
         events
     }

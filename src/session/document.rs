@@ -71,6 +71,14 @@ impl Document {
         Ok(document)
     }
 
+    /// Says which format it came in, by its name; a format that there is none of changes nothing.
+    pub(super) fn restore_format(&mut self, name: &str) {
+        if let Some(format) = ["OBJ", "PLY", "STL", "OFF", "glTF"].iter().find(|f| **f == name) {
+            self.format = format;
+            self.summary.format = (*format).to_owned();
+        }
+    }
+
     /// The same document after its polygons were repaired or divided anew.
     pub fn with_soup(&self, soup: Soup) -> Result<Self, Problem> {
         // What was passed over in reading stays true of the file; the lines of its faces are of no use any more.

@@ -29,6 +29,7 @@ mod params;
 mod picture;
 mod preparing;
 mod presets;
+mod project;
 mod refining;
 mod regions;
 mod report;
@@ -50,6 +51,7 @@ use crate::methods::cutflow::CutFlow;
 use crate::methods::flow::Status;
 use inputs::Layers;
 use preparing::Preparation;
+use project::{Entry, Gift, Log, Replay};
 use work::{Pending, Snapshot, Work, start_flow};
 
 pub use crate::flatten::comparison::Compared;
@@ -87,6 +89,9 @@ pub use text::Problem;
 /// Triangles beyond which a mesh is shown before its first cut is made.
 const SHOWN_FIRST: usize = 50_000;
 
+/// The export that holds everything.
+const PROJECT: &str = "Project (JSON)";
+
 /// One open mesh, its cut, and the way back.
 #[derive(Default)]
 pub struct Session {
@@ -102,6 +107,12 @@ pub struct Session {
     late: Vec<Event>,
     /// The method of the next mesh.
     wanted_method: Method,
+    /// The method of the mesh that is being opened, where that decides.
+    opening: Option<Method>,
+    /// What was done since the mesh was opened.
+    log: Log,
+    /// What is to be done again of a project.
+    replay: Replay,
     /// Whether a control is held.
     is_held: bool,
 }
@@ -114,7 +125,16 @@ impl Session {
 
     /// Does what a person asks for, in short time.
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
+        // A project that is still being opened goes no further once somebody takes over.
+        if project::is_kept(&command) || matches!(command, Command::OpenSample { .. }) {
+            self.replay = Replay::default();
+        }
+        self.do_again(command)
+    }
+
+    fn do_again(&mut self, command: Command) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
+        let entry = project::is_kept(&command).then(|| Entry::Do(command.clone()));
         let was_folded = self.is_folded();
         if !goes_along_with_preparing(&command) && self.preparation.take().is_some() {
             events.push(self.status());
@@ -200,10 +220,14 @@ impl Session {
             Command::Sew { patches, joins } => self.sew(patches, joins, &mut events),
             Command::HandOver => self.hand_over(&mut events),
         };
-        if let Err(problem) = result {
-            self.refuse(problem, &mut events);
-            // What was asked for is not in force: controls go back to what is.
-            events.push(self.parameters());
+        match (result, entry) {
+            (Ok(()), Some(entry)) => self.log.push(entry),
+            (Ok(()), None) => {}
+            (Err(problem), _) => {
+                self.refuse(problem, &mut events);
+                // What was asked for is not in force: controls go back to what is.
+                events.push(self.parameters());
+            }
         }
         self.tell_unfolded(was_folded, &mut events);
         events
@@ -225,7 +249,13 @@ impl Session {
         }
         let mut events = std::mem::take(&mut self.late);
         self.preparation = None;
-        if let Err(problem) = self.adopt(Document::from_bytes(name, bytes), &mut events) {
+        self.replay = Replay::default();
+        let opened = if project::is_project_file(bytes) {
+            self.open_project(name, bytes, &mut events)
+        } else {
+            self.adopt(Document::from_bytes(name, bytes), &mut events)
+        };
+        if let Err(problem) = opened {
             self.refuse(problem, &mut events);
         }
         events
@@ -236,31 +266,16 @@ impl Session {
         let mut events = std::mem::take(&mut self.late);
         let was_folded = self.is_folded();
         while self.is_running() {
-            // A mesh that is being made anew needs no cut before.
-            let stepped = if self.preparation.is_some() {
-                self.prepare_on(&mut events)
-            } else if self.is_behind() {
-                self.catch_up(&mut events)
-            } else if self.cones_have_work() {
-                self.cones_advance(&mut events)
-            } else if self.is_folding() {
-                self.fold_on(&mut events)
-            } else if self.is_refining() {
-                self.refine_on(&mut events)
-            } else if self.first_cut_is_due() {
-                self.make_first_cut(&mut events);
-                Ok(())
-            } else if self.method() == Method::Cones {
-                self.is_running = false;
-                Ok(())
-            } else if self.is_segmenting() {
-                self.segment_on(&mut events)
+            let stepped = if self.replay.is_over() {
+                self.log.step();
+                self.step_once(&mut events)
             } else {
-                self.one_step(&mut events)
+                self.replay_on(&mut events)
             };
             if let Err(problem) = stepped {
                 self.is_running = false;
                 self.preparation = None;
+                self.replay = Replay::default();
                 self.refuse(problem, &mut events);
                 break;
             }
@@ -268,6 +283,41 @@ impl Session {
                 break;
             }
         }
+        self.rest(&mut events);
+        self.tell_unfolded(was_folded, &mut events);
+        events.push(self.status());
+        events.push(Event::Scene);
+        events
+    }
+
+    /// One step of what has most need of one.
+    fn step_once(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        // A mesh that is being made anew needs no cut before.
+        if self.preparation.is_some() {
+            self.prepare_on(events)
+        } else if self.is_behind() {
+            self.catch_up(events)
+        } else if self.cones_have_work() {
+            self.cones_advance(events)
+        } else if self.is_folding() {
+            self.fold_on(events)
+        } else if self.is_refining() {
+            self.refine_on(events)
+        } else if self.first_cut_is_due() {
+            self.make_first_cut(events);
+            Ok(())
+        } else if self.method() == Method::Cones {
+            self.is_running = false;
+            Ok(())
+        } else if self.is_segmenting() {
+            self.segment_on(events)
+        } else {
+            self.one_step(events)
+        }
+    }
+
+    /// Flattens what has come to rest.
+    fn rest(&mut self, events: &mut Vec<Event>) {
         if let Some(work) = &mut self.work
             && !self.is_running
             && self.preparation.is_none()
@@ -276,16 +326,16 @@ impl Session {
             && work.method != Method::Cones
             && !work.is_settled
         {
-            self.settle(&mut events);
+            self.settle(events);
         }
-        self.tell_unfolded(was_folded, &mut events);
-        events.push(self.status());
-        events.push(Event::Scene);
-        events
     }
 
     /// Whether [`Session::advance`] has anything to do.
     pub fn is_running(&self) -> bool {
+        !self.replay.is_over() || self.has_work()
+    }
+
+    fn has_work(&self) -> bool {
         self.is_running
             || self.preparation.is_some()
             || self.first_cut_is_due()
@@ -404,6 +454,9 @@ impl Session {
 
     /// The bytes of an export, by the name of its menu item.
     pub fn export(&mut self, kind: &str) -> Result<File, Problem> {
+        if kind == PROJECT {
+            return self.project();
+        }
         if kind != work::MESH {
             self.settled()?;
         }
@@ -530,7 +583,8 @@ impl Session {
             let text = "What was painted belonged to the mesh before: the cut starts from normal clusters.";
             document.summary.notices.push(NoticeText::new("paint_dropped", 1, text));
         }
-        let is_cut_flow = self.method() == Method::CutFlow;
+        let method = self.opening.take().unwrap_or(self.method());
+        let is_cut_flow = method == Method::CutFlow;
         let is_large = document.surface.is_some() && document.triangles.len() > SHOWN_FIRST;
         let flow = match (is_cut_flow && !is_large)
             .then(|| start_flow(&document, &settings, &Layers::default(), None))
@@ -544,9 +598,13 @@ impl Session {
             }
         };
         self.remember(label, label);
-        let mut work = Work::new(Rc::new(document), settings, flow);
+        let document = Rc::new(document);
+        if label.starts_with("open ") {
+            self.log = Log::new(document.clone(), method, settings.clone());
+        }
+        let mut work = Work::new(document, settings, flow);
         work.first_cut_is_due = is_large && is_cut_flow;
-        work.method = self.method();
+        work.method = method;
         work.cones.is_stale = true;
         self.install(work, events);
     }
@@ -801,7 +859,9 @@ impl Session {
         let limit = work.settings.number("steps");
         let folding = work.fold.as_ref().filter(|fold| fold.is_running);
         let refining = work.refinement.as_ref().filter(|_| self.is_refining());
-        let (state, text) = if let Some(refinement) = refining {
+        let (state, text) = if !self.replay.is_over() {
+            ("preparing", self.replay.status())
+        } else if let Some(refinement) = refining {
             ("running", format!("Running step {} of evening out", refinement.steps() + 1))
         } else if let Some(fold) = folding {
             ("running", format!("Running step {} of the fold preview", fold.flow.steps()))

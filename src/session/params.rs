@@ -112,6 +112,11 @@ impl Settings {
         }
     }
 
+    /// Whether there is such a parameter.
+    pub fn knows(id: &str) -> bool {
+        IDS.contains(&id)
+    }
+
     /// Changes a value.
     ///
     /// **Gives** what has to follow, or `None` if nothing changed. **Fails** on unknown parameters and values out of range.

@@ -2,11 +2,11 @@
 
 use std::rc::Rc;
 
-use super::Session;
 use super::document::Document;
-use super::message::Event;
+use super::message::{Command, Event};
 use super::text::Problem;
 use super::work::{Snapshot, Work, start_flow};
+use super::{Entry, Session};
 
 /// Changes that Undo can take back.
 const DEPTH: usize = 40;
@@ -28,7 +28,10 @@ impl Session {
         if self.undo.last().is_some_and(is_same) {
             return;
         }
-        self.undo.push(work.snapshot(label, kind));
+        let mut snapshot = work.snapshot(label, kind);
+        snapshot.log = self.log.clone();
+        snapshot.was_running = self.is_running;
+        self.undo.push(snapshot);
         if self.undo.len() > DEPTH {
             self.undo.remove(0);
         }
@@ -61,7 +64,15 @@ impl Session {
         };
         let Some(target) = from.pop() else { return Ok(()) };
         if let Some(work) = &self.work {
-            to.push(work.snapshot(&target.label, &target.kind));
+            let mut snapshot = work.snapshot(&target.label, &target.kind);
+            snapshot.log = self.log.clone();
+            snapshot.was_running = self.is_running;
+            to.push(snapshot);
+        }
+        self.log = target.log;
+        if target.was_running {
+            // Nothing runs after Undo.
+            self.log.push(Entry::Do(Command::Pause));
         }
         let mut work = Work::new(target.document, target.settings, flow);
         work.method = target.method;

@@ -13,6 +13,7 @@ use super::layout::{Finish, Layout};
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
 use super::method::Method;
 use super::params::Settings;
+use super::project::Log;
 use super::refining::Refinement;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
 use super::scene::LayerScene;
@@ -108,6 +109,9 @@ pub(super) struct Snapshot {
     pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
     pub start: Option<Vec<Row>>,
+    /// What had been done until then.
+    pub log: Log,
+    pub was_running: bool,
 }
 
 impl Work {
@@ -244,6 +248,8 @@ impl Work {
             first_cut_is_due: self.first_cut_is_due,
             history: self.history.clone(),
             start: self.start.clone(),
+            log: Log::default(),
+            was_running: false,
         }
     }
 
@@ -693,7 +699,7 @@ fn base_name(name: &str) -> &str {
 }
 
 /// A file name without its ending, safe to offer for saving.
-fn stem(name: &str) -> String {
+pub(super) fn stem(name: &str) -> String {
     let base = base_name(name);
     let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
     let clean: String = stem

@@ -33,6 +33,7 @@ mod paper;
 mod patterns;
 mod phasefield;
 mod preparing;
+mod projects;
 mod reading;
 mod reading_obj;
 mod reading_off;

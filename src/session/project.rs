@@ -1,0 +1,335 @@
+//! The project file: a mesh, the parameters that it was opened with, and everything that was done to it since.
+//!
+//! ```json
+//! {
+//!   "cutflow_project": 1,
+//!   "mesh": {"name": "bunny.obj", "format": "OBJ", "obj": "v 0 0 0\n…"},
+//!   "method": "cutflow",
+//!   "parameters": {"length": 2.0},
+//!   "log": [{"do": {"type": "run"}}, {"steps": 38}, {"do": {"type": "pause"}}]
+//! }
+//! ```
+//!
+//! A project is replayed: as steps are deterministic, the same bytes come out on the same target. What Undo took back is not in it.
+//!
+//! Guaranteed: coordinates, order and names of the mesh survive bit for bit; unknown keys are passed over. Not guaranteed: that what was shown
+//! (camera, painted field) comes back; that another target gives the same last digits.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::rc::Rc;
+
+use serde::{Deserialize, Serialize};
+
+use super::brought::Brought;
+use super::document::Document;
+use super::message::{Command, Event, File, Value};
+use super::method::Method;
+use super::params::Settings;
+use super::size;
+use super::text::Problem;
+use super::work::stem;
+use super::{Session, nothing_open};
+use crate::pattern;
+
+/// The version of the format that is written.
+const VERSION: u32 = 1;
+
+/// One thing that was done.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Entry {
+    /// What a person asked for.
+    Do(Command),
+    /// What a driver brought along.
+    Bring(Gift),
+    /// Steps of whatever was running.
+    Steps(usize),
+}
+
+/// What [`Brought`] borrows, to keep.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Gift {
+    Layer { channel: String, values: Vec<f64> },
+    Seeds(Vec<f64>),
+    Cut { name: String, text: String },
+    Eye([f64; 3]),
+    Cones { name: String, text: String },
+    Cone { vertex: f64, angle: Option<f64> },
+}
+
+impl Gift {
+    pub fn of(brought: &Brought) -> Self {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        match *brought {
+            Brought::Layer { channel, values } => {
+                Self::Layer { channel: channel.into(), values: values.to_vec() }
+            }
+            Brought::Seeds(seeds) => Self::Seeds(seeds.to_vec()),
+            Brought::Cut { name, bytes } => Self::Cut { name: name.into(), text: text(bytes) },
+            Brought::Eye(eye) => Self::Eye(eye),
+            Brought::Cones { name, bytes } => Self::Cones { name: name.into(), text: text(bytes) },
+            Brought::Cone { vertex, angle } => Self::Cone { vertex, angle },
+        }
+    }
+
+    fn brought(&self) -> Brought<'_> {
+        match self {
+            Self::Layer { channel, values } => Brought::Layer { channel, values },
+            Self::Seeds(seeds) => Brought::Seeds(seeds),
+            Self::Cut { name, text } => Brought::Cut { name, bytes: text.as_bytes() },
+            Self::Eye(eye) => Brought::Eye(*eye),
+            Self::Cones { name, text } => Brought::Cones { name, bytes: text.as_bytes() },
+            Self::Cone { vertex, angle } => Brought::Cone { vertex: *vertex, angle: *angle },
+        }
+    }
+}
+
+/// What happened to a document since it was opened. Clones share what they have in common: Undo keeps one for each change.
+#[derive(Clone, Default)]
+pub(super) struct Log {
+    origin: Option<Rc<Origin>>,
+    last: Option<Rc<Node>>,
+    /// Steps since the last entry.
+    steps: usize,
+}
+
+/// A document as it was opened.
+struct Origin {
+    document: Rc<Document>,
+    method: Method,
+    settings: Settings,
+}
+
+struct Node {
+    entry: Entry,
+    before: Option<Rc<Node>>,
+}
+
+impl Drop for Node {
+    // Not one call deeper for each entry.
+    fn drop(&mut self) {
+        let mut next = self.before.take();
+        while let Some(mut node) = next.and_then(|node| Rc::try_unwrap(node).ok()) {
+            next = node.before.take();
+        }
+    }
+}
+
+impl Log {
+    pub fn new(document: Rc<Document>, method: Method, settings: Settings) -> Self {
+        let origin = Origin { document, method, settings };
+        Self { origin: Some(Rc::new(origin)), last: None, steps: 0 }
+    }
+
+    /// One step of whatever is running.
+    pub fn step(&mut self) {
+        self.steps += 1;
+    }
+
+    pub fn push(&mut self, entry: Entry) {
+        if self.steps > 0 {
+            let steps = Entry::Steps(std::mem::take(&mut self.steps));
+            self.last = Some(Rc::new(Node { entry: steps, before: self.last.take() }));
+        }
+        self.last = Some(Rc::new(Node { entry, before: self.last.take() }));
+    }
+
+    fn entries(&self) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        if self.steps > 0 {
+            entries.push(Entry::Steps(self.steps));
+        }
+        let mut next = self.last.as_ref();
+        while let Some(node) = next {
+            entries.push(node.entry.clone());
+            next = node.before.as_ref();
+        }
+        entries.reverse();
+        entries
+    }
+}
+
+/// Whether a command changes what a project holds. What opens a mesh begins another one.
+pub(super) fn is_kept(command: &Command) -> bool {
+    !matches!(
+        command,
+        Command::Hello
+            | Command::OpenSample { .. }
+            | Command::ShowField { .. }
+            | Command::ShowFinding { .. }
+            | Command::DismissError
+            | Command::Undo
+            | Command::Redo
+    )
+}
+
+#[derive(Serialize, Deserialize)]
+struct ProjectFile {
+    cutflow_project: u32,
+    mesh: MeshText,
+    #[serde(default)]
+    method: String,
+    #[serde(default)]
+    parameters: BTreeMap<String, Value>,
+    #[serde(default)]
+    log: Vec<Entry>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct MeshText {
+    name: String,
+    #[serde(default)]
+    format: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sample: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    obj: Option<String>,
+}
+
+/// Whether a file is a project.
+pub(super) fn is_project_file(bytes: &[u8]) -> bool {
+    let head = &bytes[..bytes.len().min(200)];
+    String::from_utf8_lossy(head).contains("\"cutflow_project\"")
+}
+
+/// What is still to be done of a project that was opened.
+#[derive(Default)]
+pub(super) struct Replay {
+    entries: VecDeque<Entry>,
+    done: usize,
+    name: String,
+}
+
+impl Replay {
+    pub fn is_over(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// What the status line says.
+    pub fn status(&self) -> String {
+        let steps = |entry: &Entry| if let Entry::Steps(n) = entry { *n } else { 1 };
+        let left: usize = self.entries.iter().map(steps).sum();
+        format!("Loading {}: {} of {} steps done again", self.name, self.done, self.done + left)
+    }
+}
+
+fn refused(name: &str, what: impl Into<String>) -> Problem {
+    Problem::new(
+        what,
+        format!("{name}."),
+        "Choose a project that was saved by Cutflow, or open the mesh itself.",
+    )
+}
+
+/// The document and the parameters that a project begins with.
+fn beginning(name: &str, file: &ProjectFile) -> Result<(Document, Settings), Problem> {
+    let mesh = &file.mesh;
+    let mut document = match (&mesh.sample, &mesh.obj) {
+        (Some(sample), _) => Document::from_sample(sample)?,
+        (None, Some(obj)) => Document::from_bytes(&mesh.name, obj.as_bytes())?,
+        (None, None) => return Err(refused(name, "The project holds no mesh.")),
+    };
+    document.restore_format(&mesh.format);
+    let mut settings = size::settings_for(&document);
+    for (id, value) in &file.parameters {
+        // A parameter that is unknown here belongs to another version: what it changed is told by what differs, not by refusing all.
+        if Settings::knows(id) {
+            settings.set(id, value.clone())?;
+        }
+    }
+    Ok((document, settings))
+}
+
+impl Session {
+    /// Opens the mesh of a project; what was done to it since is done again as the session advances.
+    pub(super) fn open_project(
+        &mut self,
+        name: &str,
+        bytes: &[u8],
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        #[derive(Deserialize)]
+        struct Head {
+            cutflow_project: u32,
+        }
+        let broken = |error| refused(name, format!("This is no whole project file: {error}."));
+        let head: Head = serde_json::from_slice(bytes).map_err(broken)?;
+        if head.cutflow_project > VERSION {
+            return Err(Problem::new(
+                format!(
+                    "The project was saved by a newer Cutflow: it has version {}, and version {VERSION} is understood.",
+                    head.cutflow_project
+                ),
+                format!("{name}."),
+                "Open it with a newer Cutflow.",
+            ));
+        }
+        let file: ProjectFile = serde_json::from_slice(bytes).map_err(broken)?;
+        let (document, settings) = beginning(name, &file)?;
+        self.opening = Method::from_id(&file.method);
+        self.adopt_with(document, settings, events);
+        self.replay = Replay { entries: file.log.into(), done: 0, name: name.to_owned() };
+        events.push(self.status());
+        Ok(())
+    }
+
+    /// One more thing, or one more step, of what a project holds.
+    pub(super) fn replay_on(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(entry) = self.replay.entries.pop_front() else { return Ok(()) };
+        self.replay.done += 1;
+        let told = match entry {
+            Entry::Do(command) => self.do_again(command),
+            Entry::Bring(gift) => self.bring(gift.brought()),
+            Entry::Steps(count) => {
+                if self.has_work() {
+                    self.log.step();
+                    self.step_once(events)?;
+                    if count > 1 {
+                        self.replay.entries.push_front(Entry::Steps(count - 1));
+                    }
+                }
+                Vec::new()
+            }
+        };
+        let has_failed = told.iter().any(|event| matches!(event, Event::Error { .. }));
+        events.extend(told);
+        self.rest(events);
+        if has_failed {
+            self.replay = Replay::default();
+        }
+        if self.replay.is_over() && self.is_running {
+            // It was saved in the middle of a run: that is for a person to go on with.
+            self.pause(events)?;
+            self.log.push(Entry::Do(Command::Pause));
+        }
+        Ok(())
+    }
+
+    /// The bytes of the project.
+    pub(super) fn project(&self) -> Result<File, Problem> {
+        let Some(origin) = &self.log.origin else { return Err(nothing_open()) };
+        let document = &origin.document;
+        let obj = document.sample.is_none().then(|| {
+            String::from_utf8_lossy(&pattern::mesh_obj(&document.soup, document.mm_per_unit))
+                .into_owned()
+        });
+        let file = ProjectFile {
+            cutflow_project: VERSION,
+            mesh: MeshText {
+                name: document.name.clone(),
+                format: document.format.to_owned(),
+                sample: document.sample.clone(),
+                obj,
+            },
+            method: origin.method.id().to_owned(),
+            parameters: origin.settings.values(),
+            log: self.log.entries(),
+        };
+        let bytes = serde_json::to_vec(&file).map_err(|error| {
+            refused(&document.name, format!("The project could not be written: {error}."))
+        })?;
+        let name = format!("{}-project.json", stem(&document.name));
+        Ok(File { name, mime: "application/json", bytes })
+    }
+}

@@ -1,0 +1,107 @@
+//! Projects: what was done is done again, to the same bytes.
+#![allow(clippy::unwrap_used, clippy::disallowed_methods, reason = "tests may panic")]
+
+use cutflow::session::{Command, Event, Session, Value};
+
+const PROJECT: &str = "Project (JSON)";
+
+fn run(session: &mut Session, most: usize) {
+    let mut left = most;
+    while session.is_running() && left > 0 {
+        session.advance(&mut || {
+            left -= 1;
+            left > 0
+        });
+    }
+}
+
+fn replayed(project: &[u8]) -> Session {
+    let mut again = Session::new();
+    let events = again.open("a-project.json", project);
+    assert!(!events.iter().any(|event| matches!(event, Event::Error { .. })), "{events:?}");
+    while again.is_running() {
+        let events = again.advance(&mut || true);
+        assert!(!events.iter().any(|event| matches!(event, Event::Error { .. })), "{events:?}");
+    }
+    again
+}
+
+fn assert_same(session: &mut Session, kinds: &[&str]) {
+    let project = session.export(PROJECT).unwrap().bytes;
+    let mut again = replayed(&project);
+    for kind in kinds {
+        let [own, other] = [&mut *session, &mut again].map(|s| s.export(kind).unwrap().bytes);
+        assert!(own == other, "{kind} differs");
+    }
+    // What was replayed is a project of its own, and the same one but for the pause that ends it.
+    assert!(again.export(PROJECT).unwrap().bytes.len() >= project.len());
+}
+
+fn set(session: &mut Session, id: &str, value: Value) {
+    session.handle(Command::SetParameter { id: id.into(), value });
+}
+
+#[test]
+fn a_cut_that_was_steered_by_hand_comes_back_to_the_last_bit() {
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: "ball".into() });
+    session.handle(Command::Run);
+    run(&mut session, 7);
+    set(&mut session, "length", Value::Number(1.5));
+    run(&mut session, 4);
+    session.handle(Command::Pause);
+    set(&mut session, "hencky", Value::Number(100.0));
+    session.handle(Command::Undo);
+    session.handle(Command::Step);
+    assert_same(&mut session, &["Cut (JSON)", "Cut curves (OBJ)"]);
+    // In the middle of a run.
+    session.handle(Command::Run);
+    run(&mut session, 3);
+    assert_same(&mut session, &["Cut (JSON)", "Cut curves (OBJ)"]);
+}
+
+#[test]
+fn what_undo_took_back_is_in_no_project() {
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: "ball".into() });
+    session.handle(Command::Run);
+    run(&mut session, 5);
+    session.handle(Command::Pause);
+    session.handle(Command::Undo);
+    let text = String::from_utf8(session.export(PROJECT).unwrap().bytes).unwrap();
+    assert!(!text.contains("\"run\""), "{text}");
+    session.handle(Command::Redo);
+    assert_same(&mut session, &["Cut (JSON)"]);
+}
+
+#[test]
+fn a_mesh_of_ones_own_is_in_the_project_bit_for_bit() {
+    let source = "o thing\nv 0 0 0.1\nv 1 0 -0.3333333333333333\nv 1 1 1e-300\nv 0 1 0\nv 9 9 9\ng left\nf 1 2 3\ng right\nf 1 3 4\n";
+    let mut session = Session::new();
+    session.open("thing.obj", source.as_bytes());
+    set(&mut session, "size", Value::Number(123.0));
+    assert_same(&mut session, &["Mesh (OBJ)", "UV mesh (OBJ)"]);
+}
+
+#[test]
+fn projects_that_cannot_be_read_are_refused_in_three_parts_and_lose_nothing() {
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: "ball".into() });
+    let before = session.export("Mesh (OBJ)").unwrap().bytes;
+    for (text, word) in [
+        ("{\"cutflow_project\": 99, \"mesh\": 7}", "newer"),
+        ("{\"cutflow_project\": 1, \"mesh\": {\"name\": \"x.obj\"}}", "holds no mesh"),
+        ("{\"cutflow_project\": 1, \"mesh\": {\"name\": \"x\", \"sample\": \"moon\"}}", "moon"),
+        ("{\"cutflow_project\": 1,", "no whole project"),
+    ] {
+        let events = session.open("p.json", text.as_bytes());
+        let told = events.iter().find_map(|event| match event {
+            Event::Error { what, place, what_to_do } => Some([what, place, what_to_do]),
+            _ => None,
+        });
+        let told = told.unwrap();
+        assert!(told[0].contains(word), "{told:?}");
+        assert!(told.iter().all(|part| !part.is_empty()));
+        assert_eq!(session.export("Mesh (OBJ)").unwrap().bytes, before);
+    }
+}
