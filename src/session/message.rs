@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::cones::{ConeComparisonRow, ConePathPoint, ConeTable};
+use super::patterning::PatternView;
 use super::segmenting::{DevelopTable, SegmentTree};
 
 /// What a person can ask for. Meshes come with their bytes through [`super::Session::open`].
@@ -151,6 +152,26 @@ pub enum Command {
     },
     /// Goes on with the cut flow from the pieces that there are.
     HandOver,
+    /// Shows the sheet of the pattern and follows its changes, or stops doing so.
+    ShowPattern {
+        /// Whether it is shown.
+        is_shown: bool,
+    },
+    /// Looks for a better layout of the pieces on the sheet, until it is paused.
+    Nest,
+    /// Sets what a trade usually asks of a pattern.
+    ApplyTrade {
+        /// Its identifier.
+        id: String,
+    },
+    /// Gives a seam an allowance of its own, as long as the cut stays as it is.
+    SetSeamAllowance {
+        /// Number of the seam.
+        seam: usize,
+        /// In millimetres; without one it has what all have.
+        #[serde(default)]
+        mm: Option<f64>,
+    },
     /// Puts a cone where a person wants one.
     AddCone {
         /// The face of the mesh there.
@@ -370,6 +391,15 @@ pub enum Event {
     Segments(SegmentTree),
     /// How developable patches come about.
     Patches(DevelopTable),
+    /// The trades whose usual settings can be had for patterns.
+    Trades {
+        /// All of them.
+        options: Vec<TradeChoice>,
+        /// The one whose settings are in force.
+        current: Option<String>,
+    },
+    /// The sheet of the pattern as it would be written now.
+    Pattern(PatternView),
     /// A new scene is there.
     Scene,
 }
@@ -381,6 +411,17 @@ pub struct MethodChoice {
     pub id: String,
     /// What a person reads.
     pub label: String,
+}
+
+/// A trade.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct TradeChoice {
+    /// Stable identifier.
+    pub id: String,
+    /// What a person reads.
+    pub label: String,
+    /// What it asks for.
+    pub help: String,
 }
 
 /// Settings for a purpose.
