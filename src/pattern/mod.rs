@@ -11,19 +11,35 @@
 //! [`Notice`]. Not guaranteed: that outlines do not overlap on the sheet (layout comes from the caller); that the two sides of a
 //! seam are equally long in the plane (both lengths are at hand; the difference is the ease).
 
+mod atlas_image;
 mod attributes;
+mod bytes;
+mod flat_obj;
+mod glb;
 mod json;
 mod labels;
 mod number;
 mod obj;
 mod piece;
+mod ply;
+mod png;
 mod seam;
 mod sheet;
+mod split;
 mod svg;
+mod uv_map;
+mod zip;
 
+pub use atlas_image::{AtlasImageParams, atlas_image};
+pub use bytes::FileFault;
+pub use flat_obj::flat_obj;
+pub use glb::{Texture, uv_glb};
 pub use json::cut_json;
 pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
+pub use ply::uv_ply;
+pub use png::{Channels, png};
 pub use seam::{Partner, Seam};
 pub use sheet::{Layer, Line, Sheet, SheetParams, Text};
 pub use svg::svg;
+pub use zip::{ZipEntry, zip, zip_name};

@@ -2,7 +2,7 @@
 
 use super::attributes::{Normals, line, names, word};
 use super::number::exact;
-use super::piece::Bounds;
+use super::uv_map::{UvMap, faces_by_patch};
 use crate::mesh::{CutMesh, Mesh, OpenedMesh, Soup, SurfacePoint, chains};
 
 /// A surface that was cut, and the file that it came from.
@@ -31,7 +31,7 @@ impl CutSurface<'_> {
     }
 
     /// Number in an OBJ file, from 1, of each point, when the file's vertices come first and new points follow.
-    fn point_number(&self, point: u32) -> usize {
+    pub(super) fn point_number(&self, point: u32) -> usize {
         let point = point as usize;
         let own = self.mesh.vertex_count();
         if point < own {
@@ -69,34 +69,15 @@ impl CutSurface<'_> {
 /// coordinates), and the length of that unit in units of the file.
 pub fn uv_obj(surface: &CutSurface, charts: &[[f64; 2]], chart_unit: f64) -> Vec<u8> {
     let CutSurface { soup, mesh, cut, opened, .. } = *surface;
-    assert_eq!(charts.len(), opened.mesh.vertex_count());
-    let mut faces_by_patch = vec![Vec::new(); opened.patch_count];
-    for (face, &patch) in opened.face_patches.iter().enumerate() {
-        faces_by_patch[patch as usize].push(face);
-    }
+    let faces_by_patch = faces_by_patch(opened);
+    let map = UvMap::new(opened, charts);
+    let UvMap { placed, extent, .. } = &map;
+    let count = placed.len();
     // Corners that have a place, numbered from 1; 0 for none.
     let mut numbers = vec![0usize; charts.len()];
-    let mut count = 0;
-    let is_placed = |face: usize| {
-        let corners = opened.mesh.triangles()[face];
-        corners.iter().all(|v| charts[v.index()].iter().all(|x| x.is_finite()))
-    };
-    let has_chart: Vec<bool> =
-        faces_by_patch.iter().map(|faces| faces.iter().all(|&f| is_placed(f))).collect();
-    let mut used = vec![false; charts.len()];
-    for (face, &patch) in opened.face_patches.iter().enumerate() {
-        for v in opened.mesh.triangles()[face] {
-            used[v.index()] |= has_chart[patch as usize];
-        }
+    for (i, &v) in placed.iter().enumerate() {
+        numbers[v as usize] = i + 1;
     }
-    for (number, _) in numbers.iter_mut().zip(&used).filter(|&(_, &used)| used) {
-        count += 1;
-        *number = count;
-    }
-    let placed = || charts.iter().zip(&used).filter(|&(_, &used)| used).map(|(&p, _)| p);
-    let Bounds { low, high } = Bounds::around(placed());
-    let extent = (high[0] - low[0]).max(high[1] - low[1]);
-    let extent = if extent > 0.0 { extent } else { 1.0 };
 
     let new_points = &cut.points[mesh.vertex_count()..];
     let mut out = String::with_capacity(64 * (soup.positions.len() + charts.len()));
@@ -120,9 +101,8 @@ pub fn uv_obj(surface: &CutSurface, charts: &[[f64; 2]], chart_unit: f64) -> Vec
     for &point in new_points {
         write_numbers(&mut out, "v", &surface.place(point));
     }
-    for [x, y] in placed() {
-        // Subtraction and division are monotonic: nothing leaves the unit square by rounding.
-        write_numbers(&mut out, "vt", &[(x - low[0]) / extent, (y - low[1]) / extent]);
+    for &v in placed {
+        write_numbers(&mut out, "vt", &map.uv(charts[v as usize]));
     }
     let normals = Normals::new(surface);
     if !surface.face_polygons.is_empty() {
@@ -253,7 +233,7 @@ fn rim_points(surface: &CutSurface) -> Vec<bool> {
 }
 
 /// A comment with the real size.
-fn push_size(out: &mut String, mm_per_unit: Option<f64>) {
+pub(super) fn push_size(out: &mut String, mm_per_unit: Option<f64>) {
     if let Some(mm) = mm_per_unit {
         *out += "# real size: 1 unit = ";
         exact(out, mm);
@@ -261,7 +241,7 @@ fn push_size(out: &mut String, mm_per_unit: Option<f64>) {
     }
 }
 
-fn write_numbers(out: &mut String, key: &str, numbers: &[f64]) {
+pub(super) fn write_numbers(out: &mut String, key: &str, numbers: &[f64]) {
     *out += key;
     for &x in numbers {
         out.push(' ');
