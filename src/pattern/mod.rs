@@ -12,6 +12,9 @@
 //! seam are equally long in the plane (both lengths are at hand; the difference is the ease).
 
 mod attributes;
+mod check;
+mod drawn;
+mod dxf;
 mod json;
 mod labels;
 mod number;
@@ -19,11 +22,16 @@ mod obj;
 mod piece;
 mod seam;
 mod sheet;
+pub mod stroke_font;
+mod style;
 mod svg;
+mod transliterate;
 
+pub use check::{SheetNotice, WriteError, check};
+pub use dxf::{AstmParams, DxfParams, dxf};
 pub use json::cut_json;
 pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
 pub use seam::{Partner, Seam};
 pub use sheet::{Layer, Line, Sheet, SheetParams, Text};
-pub use svg::svg;
+pub use svg::{SvgParams, SvgProfile, svg};
