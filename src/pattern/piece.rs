@@ -361,7 +361,7 @@ pub(super) fn length(points: &[[f64; 2]]) -> f64 {
     points.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum()
 }
 
-fn squared_distance([x, y]: [f64; 2], [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+pub(super) fn squared_distance([x, y]: [f64; 2], [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     let (dx, dy) = (bx - ax, by - ay);
     let squared = dx * dx + dy * dy;
     let t = if squared > 0.0 { ((x - ax) * dx + (y - ay) * dy) / squared } else { 0.0 };
@@ -375,7 +375,7 @@ fn squared_distance([x, y]: [f64; 2], [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) ->
 const DEPTH_MM: f64 = 1e-3;
 
 /// How often the sides of outlines cross, and where first.
-fn crossings(outlines: &[Outline]) -> (usize, [f64; 2]) {
+pub(super) fn crossings(outlines: &[Outline]) -> (usize, [f64; 2]) {
     let corners: Vec<Vec<Point2<f64>>> = outlines
         .iter()
         .map(|outline| outline.points.iter().copied().map(Point2::from).collect())

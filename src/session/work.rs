@@ -28,7 +28,7 @@ use crate::geometry::Symmetry;
 use crate::mesh::CutMesh;
 use crate::methods::cutflow::{Checkpoint, CutFields, CutFlow, Pointwise, Stages};
 use crate::methods::flow::{Flow, Status};
-use crate::pattern::{self, Pattern, Sheet, SheetParams};
+use crate::pattern::{self, Pattern, Sheet, SheetParams, SvgParams};
 
 /// The export that needs no cut.
 pub(super) const MESH: &str = "Mesh (OBJ)";
@@ -565,7 +565,14 @@ impl Work {
                     mm_per_model_unit: Some(mm * given.frame.scale),
                     ..SheetParams::default()
                 };
-                let bytes = pattern::svg(&Sheet::new(pieces, &params));
+                let sheet = Sheet::new(pieces, &params);
+                let bytes = pattern::svg(&sheet, &SvgParams::default()).map_err(|error| {
+                    Problem::new(
+                        "The pattern cannot be written.",
+                        format!("{}: {error}.", document.name),
+                        "Choose another size.",
+                    )
+                })?;
                 Ok(file("pattern.svg", "image/svg+xml", bytes))
             }
             "Folded surface (OBJ)" => {

@@ -17,8 +17,8 @@ use cutflow::mesh::{CutMesh, FaceId, HalfedgeId, Mesh, OpenedMesh, Soup, Surface
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial};
 use cutflow::methods::cutgraph::cut_to_disks;
 use cutflow::pattern::{
-    CutSurface, Notice, Partner, Pattern, Sheet, SheetParams, cut_json, cut_obj, piece_name, svg,
-    uv_obj,
+    CutSurface, Notice, Partner, Pattern, Sheet, SheetParams, SvgParams, cut_json, cut_obj,
+    piece_name, svg, uv_obj,
 };
 use cutflow::session::samples;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
@@ -83,8 +83,12 @@ impl Example {
             mm_per_model_unit: Some(mm_per_unit),
             ..SheetParams::default()
         };
-        String::from_utf8(svg(&Sheet::new(self.pattern(mm_per_unit).0, &params))).unwrap()
+        drawing(&Sheet::new(self.pattern(mm_per_unit).0, &params))
     }
+}
+
+fn drawing(sheet: &Sheet) -> String {
+    String::from_utf8(svg(sheet, &SvgParams::default()).unwrap()).unwrap()
 }
 
 /// Lays triangle beside triangle with the lengths that they have, and the patches in a row.
@@ -347,7 +351,7 @@ fn a_patch_without_chart_is_told_and_its_neighbours_still_name_it() {
     example.charts.iter_mut().for_each(|p| p[0] = -p[0]);
     let (pattern, notices) = example.pattern(100.0);
     assert_eq!(notices, [Notice::NoArea { patch: 0 }, Notice::NoArea { patch: 1 }]);
-    let empty = String::from_utf8(svg(&Sheet::new(pattern, &SheetParams::default()))).unwrap();
+    let empty = drawing(&Sheet::new(pattern, &SheetParams::default()));
     assert!(empty.contains("0 pieces") && !empty.contains("NaN"));
 }
 
@@ -370,7 +374,7 @@ fn an_outline_that_crosses_itself_is_told() {
         panic!("{notices:?}")
     };
     assert!(crossings >= 2);
-    let drawn = String::from_utf8(svg(&Sheet::new(pattern, &SheetParams::default()))).unwrap();
+    let drawn = drawing(&Sheet::new(pattern, &SheetParams::default()));
     assert!(drawn.contains("outline crosses itself"));
 }
 
@@ -445,7 +449,7 @@ fn the_drawing_has_real_size_and_one_closed_path_for_each_piece() {
             .filter(|(name, ..)| name == "g")
             .map(|(_, a, _)| a["inkscape:label"].as_str())
             .collect();
-        assert_eq!(layers, ["CUT", "SEAMS", "LABELS", "CONTROL"]);
+        assert_eq!(layers, ["CUT", "INTERNAL", "TEXT", "CONTROL"]);
 
         let cuts: Vec<&BTreeMap<String, String>> = elements
             .iter()
