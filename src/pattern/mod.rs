@@ -12,8 +12,11 @@
 //! seam are equally long in the plane (both lengths are at hand; the difference is the ease).
 
 mod attributes;
+mod flaps;
+mod folds;
 mod json;
 mod labels;
+mod laid;
 mod number;
 mod obj;
 mod piece;
@@ -21,7 +24,12 @@ mod seam;
 mod sheet;
 mod svg;
 
+pub use flaps::{
+    Base, Flap, FlapLabel, FlapNotice, FlapParams, FlapSide, cut_with_flaps, flap_labels, flaps,
+};
+pub use folds::{Fold, FoldParams, fold_layer, fold_shortening_mm, folds};
 pub use json::cut_json;
+pub use laid::LaidSurface;
 pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
 pub use seam::{Partner, Seam};
