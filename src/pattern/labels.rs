@@ -92,7 +92,7 @@ impl<'a> Labels<'a> {
 }
 
 /// The middle of an upright text beside a polyline, on its left, at an arc length.
-fn beside(points: &[[f64; 2]], arc_length: f64, width: f64, height: f64) -> [f64; 2] {
+pub(super) fn beside(points: &[[f64; 2]], arc_length: f64, width: f64, height: f64) -> [f64; 2] {
     // The direction over the width of the text, not that of one small side.
     let [before, at, after] =
         [-0.5, 0.0, 0.5].map(|shift| point_along(points, arc_length + shift * width));

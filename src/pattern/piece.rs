@@ -361,6 +361,7 @@ pub(super) fn length(points: &[[f64; 2]]) -> f64 {
     points.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum()
 }
 
+/// Squared distance of a point from a segment.
 pub(super) fn squared_distance([x, y]: [f64; 2], [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     let (dx, dy) = (bx - ax, by - ay);
     let squared = dx * dx + dy * dy;
