@@ -32,6 +32,18 @@ impl<'a> Labels<'a> {
         Self { piece, taken: Vec::new() }
     }
 
+    /// Leaves room for a text that has a place already.
+    pub(super) fn take(&mut self, at: [f64; 2], text: &str, height: f64) {
+        self.taken.push(rectangle(at, text_width(text, height), height));
+    }
+
+    /// Leaves room for an upright line.
+    pub(super) fn take_line(&mut self, from: [f64; 2], to: [f64; 2]) {
+        let Bounds { low, high } = Bounds::around([from, to]);
+        let [low, high] = [[low[0] - GAP, low[1]], [high[0] + GAP, high[1]]];
+        self.taken.push(Bounds { low, high });
+    }
+
     /// Lines of text under one another about the centre of the piece: the middle of each, and its height. The first is
     /// as high as the room allows, the others 0.4 of it.
     pub(super) fn place_name(&mut self, lines: &[String]) -> Vec<([f64; 2], f64)> {

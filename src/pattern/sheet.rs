@@ -1,9 +1,11 @@
 //! What is drawn of a pattern: lines and texts in layers, the same for every drawing format.
 
-use super::labels::{Labels, text_width, unit};
+use super::blank::{Blank, seam_id};
+use super::grain::{GrainParams, grain as grain_line};
+use super::labels::{Labels, text_width};
+use super::nesting::NestPose;
 use super::number::millimetre_text;
-use super::piece::{Bounds, Pattern, Piece, length};
-use super::seam::Partner;
+use super::piece::{Bounds, Pattern, Piece};
 
 /// A kind of line or text; drawing programs show or hide each as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -116,106 +118,222 @@ pub struct SheetParams {
     pub mm_per_model_unit: Option<f64>,
     /// Free space on all four sides.
     pub margin_mm: f64,
+    /// Names and numbers of pieces.
+    pub piece_labels: bool,
+    /// What seams are sewn to.
+    pub seam_labels: bool,
+    /// How pieces have to stretch and bend.
+    pub hints: bool,
+    /// Grain lines.
+    pub grain: Option<GrainParams>,
 }
 
 impl Default for SheetParams {
     fn default() -> Self {
-        Self { title: "Pattern".into(), mm_per_model_unit: None, margin_mm: 10.0 }
+        Self {
+            title: "Pattern".into(),
+            mm_per_model_unit: None,
+            margin_mm: 10.0,
+            piece_labels: true,
+            seam_labels: true,
+            hints: false,
+            grain: None,
+        }
     }
+}
+
+/// A piece where it lies on the stock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    /// Index of its blank.
+    pub blank: usize,
+    /// Which copy of the piece it is, from 0, and of how many.
+    pub copy: [usize; 2],
+    /// Turned over first.
+    pub is_mirrored: bool,
+    /// Where on its sheet.
+    pub pose: NestPose,
 }
 
 /// Side of the control square.
 const SQUARE: f64 = 50.0;
 /// Between the pieces and what stands below them.
 const GAP: f64 = 10.0;
-/// Length of the ticks where seams end.
-const TICK: f64 = 2.0;
+/// Between two sheets of stock.
+const BETWEEN: f64 = 20.0;
 
 impl Sheet {
     /// Lays out title, control square, names and seam labels around the pieces.
-    pub fn new(mut pattern: Pattern, params: &SheetParams) -> Self {
+    ///
+    /// **Takes** pieces made ready, where they lie, and the sizes of the sheets of stock that they lie on, which are put side by side; none where
+    /// there is one sheet without limits. **Costs** O(n).
+    pub fn new(
+        blanks: &[Blank],
+        placed: &[Placed],
+        stock: &[[f64; 2]],
+        params: &SheetParams,
+    ) -> Self {
+        let mut lefts = vec![0.0];
+        for [width, _] in stock {
+            lefts.push(lefts[lefts.len() - 1] + width + BETWEEN);
+        }
+        let shift = |placed: &Placed| {
+            let sheet = placed.pose.sheet.min(stock.len().saturating_sub(1));
+            NestPose {
+                is_mirrored: placed.is_mirrored,
+                shift: [placed.pose.shift[0] + lefts[sheet], placed.pose.shift[1]],
+                ..placed.pose
+            }
+        };
+        let mut laid: Vec<Blank> =
+            placed.iter().map(|placed| blanks[placed.blank].moved(&shift(placed))).collect();
+        let frames: Vec<Bounds> = stock
+            .iter()
+            .zip(&lefts)
+            .map(|(&[width, height], &left)| Bounds {
+                low: [left, 0.0],
+                high: [left + width, height],
+            })
+            .collect();
+        let corners = frames.iter().flat_map(|frame| [frame.low, frame.high]);
+        let points = laid.iter().flat_map(|blank| blank.cut.iter().flatten().copied());
+        let bounds = Bounds::around(points.chain(corners));
+        let [width, height] = [0, 1].map(|a| bounds.high[a] - bounds.low[a]);
         let margin = params.margin_mm;
-        let [width, height] = pattern.bounds.high;
-        let footer = footer(&pattern, params);
+        let footer = footer(laid.len(), [width, height], params, !frames.is_empty());
         let wanted = footer.iter().map(|(text, height)| SQUARE + 5.0 + text_width(text, *height));
         let inner_width = wanted.fold(width, f64::max);
         // Tenths of millimetres: sizes that people can read.
         let tenths = |x: f64| (10.0 * x).ceil() / 10.0;
-        let below = if pattern.pieces.is_empty() { SQUARE } else { SQUARE + GAP };
+        let below = if laid.is_empty() { SQUARE } else { SQUARE + GAP };
         let size = [tenths(inner_width + 2.0 * margin), tenths(height + below + 2.0 * margin)];
-        let origin = [margin, size[1] - margin - height];
-        pattern.translate(origin);
+        let origin = [margin - bounds.low[0], size[1] - margin - height - bounds.low[1]];
+        let to_origin = NestPose { shift: origin, ..NestPose::default() };
+        laid.iter_mut().for_each(|blank| *blank = blank.moved(&to_origin));
+        let patch_count = laid.iter().map(|blank| blank.piece.patch + 1).max().unwrap_or(0);
+        let pieces: Vec<Piece> = laid.iter().map(|blank| blank.piece.clone()).collect();
+        let place = |p: [f64; 2]| [p[0] + origin[0], p[1] + origin[1]];
         let mut sheet = Self {
             title: params.title.clone(),
             size,
-            pattern,
+            pattern: Pattern {
+                pieces,
+                patch_count,
+                bounds: Bounds { low: place(bounds.low), high: place(bounds.high) },
+            },
             lines: Vec::new(),
             texts: Vec::new(),
-            frames: Vec::new(),
+            frames: frames
+                .iter()
+                .map(|frame| Bounds { low: place(frame.low), high: place(frame.high) })
+                .collect(),
         };
-        for index in 0..sheet.pattern.pieces.len() {
-            sheet.draw_piece(index);
+        for (index, (blank, placed)) in laid.iter().zip(placed).enumerate() {
+            sheet.draw(index, blank, placed, params);
         }
+        sheet.draw_frames();
         sheet.draw_control(margin, footer);
         sheet.lines.sort_by_key(|line| line.layer);
         sheet.texts.sort_by_key(|text| text.layer);
         sheet
     }
 
-    fn draw_piece(&mut self, index: usize) {
-        let piece = &self.pattern.pieces[index];
-        let name = &piece.name;
-        let line = |layer, id, is_closed, points| Line {
-            layer,
-            id,
+    fn draw(&mut self, index: usize, blank: &Blank, placed: &Placed, params: &SheetParams) {
+        let piece = &blank.piece;
+        let [copy, copies] = placed.copy;
+        let mut name = piece.name.clone();
+        if copy > 0 {
+            name += &(copy + 1).to_string();
+        }
+        if placed.is_mirrored {
+            name += "-m";
+        }
+        self.lines.extend(blank.lines.iter().map(|line| Line {
+            id: format!("{name}-{}", line.id),
             piece: Some(index),
-            seam: None,
-            is_closed,
-            points,
-            curve: Vec::new(),
-        };
-        for (k, outline) in piece.outlines.iter().enumerate() {
-            let id = if k == 0 { format!("{name}-cut") } else { format!("{name}-hole-{k}") };
-            self.lines.push(line(Layer::Cut, id, true, outline.points.clone()));
+            ..line.clone()
+        }));
+        let mut labels = Labels::new(piece);
+        for word in &blank.words {
+            labels.take(word.at, &word.text, word.height);
         }
-        for (k, (outline, point)) in seam_ends(piece).into_iter().enumerate() {
-            let points = tick(&piece.outlines[outline].points, point);
-            self.lines.push(line(Layer::Internal, format!("{name}-tick-{}", k + 1), false, points));
+        if let Some(grain) = &params.grain
+            && let Some(found) = grain_line(&piece.outlines, piece.centre, grain)
+        {
+            for (k, points) in found.lines().into_iter().enumerate() {
+                let id = format!("{name}-grain-{}", k + 1);
+                self.lines.push(line(Layer::Grain, id, Some(index), points));
+            }
+            labels.take_line(found.from, found.to);
         }
-        let mut text = |layer, id, seam, (at, height), text| {
-            let piece = Some(index);
+        let mut text = |id: String, seam, (at, height), text| {
+            let (layer, piece) = (Layer::Text, Some(index));
+            let id = format!("{name}-{id}");
             self.texts.push(Text { layer, id, piece, seam, at, is_left: false, height, text });
         };
-        let mut labels = Labels::new(piece);
-        let mut lines =
-            vec![name.clone(), format!("{}/{}", piece.patch + 1, self.pattern.patch_count)];
-        if piece.crossings > 0 {
-            lines.push("outline crosses itself".to_owned());
+        if params.piece_labels {
+            let mut lines = vec![
+                (piece.name.clone(), "name"),
+                (format!("{}/{}", piece.patch + 1, self.pattern.patch_count), "number"),
+            ];
+            if copies > 1 || placed.is_mirrored {
+                let mirrored = if placed.is_mirrored { ", mirrored" } else { "" };
+                lines.push((format!("copy {} of {copies}{mirrored}", copy + 1), "copy"));
+            }
+            if piece.crossings > 0 {
+                lines.push(("outline crosses itself".to_owned(), "warning"));
+            }
+            if placed.pose.is_too_large {
+                lines.push(("larger than the material".to_owned(), "large"));
+            }
+            if params.hints {
+                lines.push((blank.hints.sentence(), "hint"));
+            }
+            let words: Vec<String> = lines.iter().map(|(line, _)| line.clone()).collect();
+            let places = labels.place_name(&words);
+            for ((line, id), place) in lines.into_iter().zip(places) {
+                text(id.to_owned(), None, place, line);
+            }
         }
-        let places = labels.place_name(&lines);
-        for ((line, place), id) in lines.into_iter().zip(places).zip(["name", "number", "warning"])
-        {
-            text(Layer::Text, format!("{name}-{id}"), None, place, line);
+        if params.seam_labels {
+            for (k, seam) in piece.seams.iter().enumerate() {
+                let label = piece.seam_label(seam);
+                let id = format!("seam-{}", seam_id(seam));
+                text(id, Some(k), labels.place_beside(seam, &label), label);
+            }
         }
-        for (k, seam) in piece.seams.iter().enumerate() {
-            let label = piece.seam_label(seam);
-            let is_second = seam.partner == Partner::Own { is_second: true };
-            let id = format!("{name}-seam-{}{}", seam.number, if is_second { "-b" } else { "" });
-            text(Layer::Text, id, Some(k), labels.place_beside(seam, &label), label);
+        for word in &blank.words {
+            text(word.id.clone(), word.seam, (word.at, word.height), word.text.clone());
+        }
+    }
+
+    fn draw_frames(&mut self) {
+        let several = self.frames.len() > 1;
+        for (k, Bounds { low, high }) in self.frames.iter().enumerate() {
+            let points = vec![*low, [high[0], low[1]], *high, [low[0], high[1]]];
+            let id = format!("stock-{}", k + 1);
+            let frame = line(Layer::Control, id.clone(), None, points);
+            self.lines.push(Line { is_closed: true, ..frame });
+            if several {
+                self.texts.push(Text {
+                    layer: Layer::Control,
+                    id: format!("{id}-label"),
+                    piece: None,
+                    seam: None,
+                    at: [low[0] + 2.0, low[1] - 3.5],
+                    is_left: true,
+                    height: 2.5,
+                    text: format!("sheet {}", k + 1),
+                });
+            }
         }
     }
 
     fn draw_control(&mut self, margin: f64, footer: Vec<(String, f64)>) {
         let (low, high) = (margin, margin + SQUARE);
-        self.lines.push(Line {
-            layer: Layer::Control,
-            id: "control-square".into(),
-            piece: None,
-            seam: None,
-            is_closed: true,
-            curve: Vec::new(),
-            points: vec![[low, low], [high, low], [high, high], [low, high]],
-        });
+        let points = vec![[low, low], [high, low], [high, high], [low, high]];
+        let square = line(Layer::Control, "control-square".into(), None, points);
+        self.lines.push(Line { is_closed: true, ..square });
         let mut text = |id: String, at, is_left, height, text| {
             let layer = Layer::Control;
             self.texts.push(Text { layer, id, piece: None, seam: None, at, is_left, height, text });
@@ -231,32 +349,23 @@ impl Sheet {
     }
 }
 
-impl Pattern {
-    /// Moves all pieces.
-    fn translate(&mut self, by: [f64; 2]) {
-        for piece in &mut self.pieces {
-            piece.translate(by);
-        }
-        let Self { bounds, .. } = self;
-        for p in [&mut bounds.low, &mut bounds.high] {
-            *p = [p[0] + by[0], p[1] + by[1]];
-        }
-    }
+/// An open polyline.
+fn line(layer: Layer, id: String, piece: Option<usize>, points: Vec<[f64; 2]>) -> Line {
+    Line { layer, id, piece, seam: None, is_closed: false, points, curve: Vec::new() }
 }
 
 /// The lines beside the control square and their heights.
-fn footer(pattern: &Pattern, params: &SheetParams) -> Vec<(String, f64)> {
-    let count = pattern.pieces.len();
-    let [width, height] = pattern.bounds.high;
+fn footer(
+    count: usize,
+    [width, height]: [f64; 2],
+    params: &SheetParams,
+    has_stock: bool,
+) -> Vec<(String, f64)> {
+    let plural = if count == 1 { "" } else { "s" };
+    let stock = if has_stock { " of material" } else { "" };
     let mut lines = vec![
         (params.title.clone(), 5.0),
-        (
-            format!(
-                "{count} piece{}, {width:.0} × {height:.0} mm",
-                if count == 1 { "" } else { "s" }
-            ),
-            3.0,
-        ),
+        (format!("{count} piece{plural}, {width:.0} × {height:.0} mm{stock}"), 3.0),
     ];
     if let Some(mm) = params.mm_per_model_unit {
         // Four significant digits.
@@ -267,35 +376,4 @@ fn footer(pattern: &Pattern, params: &SheetParams) -> Vec<(String, f64)> {
     lines.push(("Print at 100 %: the square measures 50 mm".into(), 3.0));
     lines.push(("Outer side up. 3 > B: seam 3, sewn to piece B".into(), 3.0));
     lines
-}
-
-/// Outline and point of every end of a seam, and the beginnings of closed seams.
-fn seam_ends(piece: &Piece) -> Vec<(usize, usize)> {
-    let mut ends = Vec::new();
-    for seam in &piece.seams {
-        let n = piece.outlines[seam.outline].points.len();
-        ends.push((seam.outline, seam.first));
-        ends.push((seam.outline, (seam.first + seam.sides) % n));
-    }
-    ends.sort_unstable();
-    ends.dedup();
-    ends
-}
-
-/// A short line from a point of an outline into the piece, halving the angle there.
-fn tick(points: &[[f64; 2]], at: usize) -> Vec<[f64; 2]> {
-    let n = points.len();
-    let p = points[at];
-    // Directions over a distance, because an outline may have steps far smaller than what is drawn.
-    let far = |step: usize| {
-        let mut others = (1..n).map(|k| points[(at + k * step) % n]);
-        let is_far = |q: &[f64; 2]| length(&[p, *q]) > 0.5 * TICK;
-        others.clone().find(is_far).or_else(|| others.next_back()).unwrap_or(p)
-    };
-    let (into, out) = (unit(far(n - 1), p), unit(p, far(1)));
-    // Sum of the left normals; where the outline turns back on itself (tip of a slit) straight on.
-    let sum = [-(into[1] + out[1]), into[0] + out[0]];
-    let size = sum[0].hypot(sum[1]);
-    let [x, y] = if size > 1e-6 { sum.map(|s| s / size) } else { into };
-    vec![p, [p[0] + TICK * x, p[1] + TICK * y]]
 }

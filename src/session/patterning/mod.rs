@@ -1,0 +1,466 @@
+//! The pattern of the cut at rest: pieces made ready for a trade, laid on their material, and what is told and written of them.
+
+mod exports;
+mod report;
+mod specs;
+
+use std::collections::BTreeMap;
+
+use super::layout::Layout;
+use super::message::{Event, TradeChoice, Value};
+use super::params::{Effect, Settings, whole};
+use super::surface::Surface;
+use super::text::Problem;
+use super::work::{Work, base_name};
+use super::{Session, nothing_open};
+use crate::methods::flow::{Flow, Status};
+use crate::pattern::{
+    AllowanceParams, BlankParams, Blanks, Corner, FlapParams, FlapSide, FoldParams, GrainParams,
+    LaidSurface, MarkParams, NestFlow, NestParams, NestPose, NestShape, NotchParams, NotchStyle,
+    PageSize, Pattern, PdfParams, Placed, Rotations, Sheet, SheetParams, Stock, blanks, check,
+    svg, tiles, uprights,
+};
+
+pub(super) use exports::KINDS;
+pub use report::{
+    PageView, PatternPieceReport, PatternReport, PatternSeamReport, PatternView,
+};
+pub use specs::specs;
+
+/// Steps of nesting after which a layout rests until somebody asks for more.
+const NESTING_STEPS: usize = 400;
+/// Sheets of stock that there are: as many as it takes.
+const MOST_SHEETS: usize = 1000;
+
+/// A pattern made of a layout.
+pub(super) struct Patterning {
+    pattern: Pattern,
+    blanks: Blanks,
+    placed: Vec<(usize, [usize; 2], bool)>,
+    nest: NestFlow,
+    notices: Vec<String>,
+    /// Whether a better layout is being looked for.
+    is_nesting: bool,
+}
+
+impl Patterning {
+    fn new(
+        surface: &Surface,
+        layout: &Layout,
+        settings: &Settings,
+        seam_allowances: &BTreeMap<usize, f64>,
+        mm_per_unit: f64,
+    ) -> Result<Self, Problem> {
+        // The charts as they were flattened: where they lie on the screen is of no account.
+        let charts: Vec<[f64; 2]> = layout.flattening.uv.iter().map(|p| [p.x, p.y]).collect();
+        let laid = LaidSurface {
+            opened: &layout.opened,
+            charts: &charts,
+            positions: &layout.points,
+            mm_per_unit,
+        };
+        let (pattern, told) = Pattern::new(&layout.opened, &charts, &layout.points, mm_per_unit);
+        let params = blank_params(settings, seam_allowances);
+        let blanks = blanks(&laid, &pattern, &params);
+        let mut notices: Vec<String> = told.iter().map(ToString::to_string).collect();
+        if params.flaps.is_some() && (params.allowance_mm > 0.0 || !seam_allowances.is_empty()) {
+            notices.push("glue flaps take the place of seam allowances".into());
+        }
+        notices.extend(blanks.notices.iter().cloned());
+        let axis = 1;
+        let upright = uprights(&laid, axis);
+        let copies = whole(settings.number("copies"));
+        let sides: &[bool] = if settings.is_on("mirrored") { &[false, true] } else { &[false] };
+        let mut placed = Vec::new();
+        let mut shapes = Vec::new();
+        for (index, blank) in blanks.pieces.iter().enumerate() {
+            for &is_mirrored in sides {
+                for copy in 0..copies {
+                    placed.push((index, [copy, copies], is_mirrored));
+                    let turn = upright[blank.piece.patch];
+                    let flip = NestPose { is_mirrored, ..NestPose::default() };
+                    let shape = blank.moved(&flip);
+                    shapes.push(NestShape {
+                        outlines: shape.cut,
+                        upright: if is_mirrored { -turn } else { turn },
+                        may_mirror: false,
+                    });
+                }
+            }
+        }
+        let wrong = |error| Problem::solve(&surface.name, &error);
+        let mut nest = NestFlow::new(&shapes, &nest_params(settings)).map_err(wrong)?;
+        nest.step().map_err(wrong)?;
+        Ok(Self { pattern, blanks, placed, nest, notices, is_nesting: false })
+    }
+
+    /// The sheet as it is now.
+    fn sheet(&self, params: &SheetParams) -> Sheet {
+        let state = self.nest.state();
+        let placed: Vec<Placed> = self
+            .placed
+            .iter()
+            .zip(&state.poses)
+            .map(|(&(blank, copy, is_mirrored), &pose)| Placed { blank, copy, is_mirrored, pose })
+            .collect();
+        Sheet::new(&self.blanks.pieces, &placed, &self.stock(), params)
+    }
+
+    /// Sizes of the sheets that pieces lie on.
+    fn stock(&self) -> Vec<[f64; 2]> {
+        self.nest.stock_mm()
+    }
+}
+
+/// What is asked of the pieces.
+fn blank_params(settings: &Settings, seam_allowances: &BTreeMap<usize, f64>) -> BlankParams {
+    let fold_angle = settings.number("fold_angle").to_radians();
+    BlankParams {
+        allowance_mm: settings.number("allowance"),
+        seam_allowances: seam_allowances.clone(),
+        bare_rim: !settings.is_on("rim_allowance"),
+        allowance: AllowanceParams {
+            corner: match settings.text("corner") {
+                "round" => Corner::Round,
+                "square" => Corner::Square,
+                _ => Corner::Mitre,
+            },
+            ..AllowanceParams::default()
+        },
+        notches: match settings.text("notches") {
+            "slit" => Some(NotchStyle::Slit),
+            "v" => Some(NotchStyle::V),
+            "t" => Some(NotchStyle::T),
+            _ => None,
+        }
+        .map(|style| NotchParams {
+            style,
+            spacing_mm: settings.number("notch_spacing"),
+            ..NotchParams::default()
+        }),
+        folds: settings
+            .is_on("folds")
+            .then(|| FoldParams { least_angle: fold_angle, ..FoldParams::default() }),
+        flaps: match settings.text("flaps") {
+            "alternate" => Some(FlapSide::Alternate),
+            "smaller" => Some(FlapSide::SmallerPiece),
+            "both" => Some(FlapSide::Both),
+            _ => None,
+        }
+        .map(|side| FlapParams {
+            side,
+            depth_mm: settings.number("flap_depth"),
+            angle: settings.number("flap_angle").to_radians(),
+            ..FlapParams::default()
+        }),
+        marks: settings.is_on("marks").then(MarkParams::default),
+        kerf_mm: settings.number("kerf"),
+        curve_tolerance_mm: (settings.text("outlines") == "smooth")
+            .then(|| settings.number("curve_tolerance")),
+    }
+}
+
+fn nest_params(settings: &Settings) -> NestParams {
+    let width_mm = settings.number("stock_width");
+    NestParams {
+        stock: match settings.text("stock") {
+            "roll" => Stock::Roll { width_mm },
+            "sheet" => Stock::Sheet {
+                width_mm,
+                height_mm: settings.number("stock_height"),
+                most: MOST_SHEETS,
+            },
+            _ => Stock::Free,
+        },
+        gap_mm: settings.number("gap"),
+        margin_mm: if settings.text("stock") == "free" { 0.0 } else { settings.number("stock_margin") },
+        rotations: match settings.text("turns") {
+            "none" => Rotations::Nap,
+            "half" => Rotations::Woven,
+            "quarter" => Rotations::Cross,
+            _ => Rotations::Free,
+        },
+        step_limit: NESTING_STEPS,
+        ..NestParams::default()
+    }
+}
+
+impl Work {
+    /// Pieces of another cut, or of another size, are other pieces.
+    pub(super) fn drop_pattern(&mut self) {
+        self.patterning = None;
+    }
+
+    /// The pattern of the cut at rest, made if there is none.
+    fn pattern(&mut self) -> Result<&mut Patterning, Problem> {
+        if self.patterning.is_none() {
+            let surface = self.document.surface()?;
+            let layout = self.layout.as_ref().ok_or_else(nothing_open)?;
+            let mm = self.mm_per_unit();
+            let patterning =
+                Patterning::new(surface, layout, &self.settings, &self.seam_allowances, mm)?;
+            self.patterning = Some(patterning);
+        }
+        self.patterning.as_mut().ok_or_else(nothing_open)
+    }
+
+    fn sheet_params(&self) -> SheetParams {
+        let settings = &self.settings;
+        let scale = self.document.surface.as_ref().map_or(1.0, |surface| surface.frame.scale);
+        SheetParams {
+            title: base_name(&self.document.name).to_owned(),
+            mm_per_model_unit: Some(self.mm_per_unit() * scale),
+            margin_mm: if settings.text("stock") == "free" { settings.number("stock_margin") } else { 10.0 },
+            piece_labels: settings.is_on("piece_labels"),
+            seam_labels: settings.is_on("seam_labels"),
+            hints: settings.is_on("hints"),
+            grain: match settings.text("grain") {
+                "both" => Some(false),
+                "nap" => Some(true),
+                _ => None,
+            }
+            .map(|has_nap| GrainParams { has_nap, ..GrainParams::default() }),
+        }
+    }
+
+    /// The sheet as it would be written now.
+    pub(super) fn sheet(&mut self) -> Result<Sheet, Problem> {
+        let params = self.sheet_params();
+        Ok(self.pattern()?.sheet(&params))
+    }
+
+    fn pdf_params(&self) -> PdfParams {
+        let settings = &self.settings;
+        PdfParams {
+            page: match settings.text("paper") {
+                "a3" => PageSize::A3,
+                "letter" => PageSize::Letter,
+                "one" => PageSize::One,
+                _ => PageSize::A4,
+            },
+            overlap_mm: settings.number("page_overlap"),
+            ..PdfParams::default()
+        }
+    }
+
+    /// What page and command are told of the pattern.
+    pub(super) fn pattern_report(&mut self) -> Result<PatternReport, Problem> {
+        let sheet = self.sheet()?;
+        let params = blank_params(&self.settings, &self.seam_allowances);
+        let is_roll = self.settings.text("stock") == "roll";
+        let made = self.pattern()?;
+        let mut notices = made.notices.clone();
+        let state = made.nest.state();
+        notices.extend(state.notices.iter().map(|notice| made.nest_notice(notice)));
+        if let Ok(told) = check(&sheet) {
+            notices.extend(told.iter().map(ToString::to_string));
+        }
+        let name = |patch: usize| crate::pattern::piece_name(patch);
+        let counts = |index: usize, mirrored: bool| {
+            made.placed.iter().filter(|(blank, _, m)| *blank == index && *m == mirrored).count()
+        };
+        let pieces = made.blanks.pieces.iter().enumerate().map(|(index, blank)| {
+            let bounds = crate::pattern::Bounds::around(blank.cut.iter().flatten().copied());
+            PatternPieceReport {
+                name: blank.piece.name.clone(),
+                patch: blank.piece.patch,
+                size_mm: [0, 1].map(|a| bounds.high[a] - bounds.low[a]),
+                area_mm2: blank.piece.area_mm2,
+                copies: [counts(index, false), counts(index, true)],
+                hint: blank.hints.sentence(),
+            }
+        });
+        let seams = made.blanks.seams.iter().map(|seam| PatternSeamReport {
+            number: seam.number,
+            pieces: seam.patches.map(name),
+            length_mm: seam.surface_length_mm,
+            flat_mm: seam.lengths_mm,
+            allowance_mm: *params.seam_allowances.get(&seam.number).unwrap_or(&params.allowance_mm),
+            notches: made.blanks.notches.marks(seam.number).to_vec(),
+        });
+        Ok(PatternReport {
+            sheet_mm: sheet.size,
+            sheets: state.sheets,
+            utilisation: state.utilisation,
+            roll_length_mm: if is_roll { state.used_mm[1] } else { 0.0 },
+            nesting_steps: made.nest.steps(),
+            pieces: pieces.collect(),
+            seams: seams.collect(),
+            notices,
+        })
+    }
+}
+
+impl Session {
+    /// The report of `cutflow pattern`.
+    pub fn pattern_report(&mut self) -> Result<PatternReport, Problem> {
+        self.settled()?.pattern_report()
+    }
+
+    pub(super) fn show_pattern(
+        &mut self,
+        is_shown: bool,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        self.is_pattern_shown = is_shown;
+        if !is_shown {
+            self.stop_nesting();
+            return Ok(());
+        }
+        // Made of the cut at rest.
+        if self.is_running {
+            self.pause(events)?;
+        }
+        self.settled()?;
+        events.push(self.trades_event());
+        self.tell_pattern(events)
+    }
+
+    /// Tells what the sheet has become, if somebody looks at it.
+    pub(super) fn tell_pattern(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        if !self.is_pattern_shown || self.is_running || !self.replay.is_over() {
+            return Ok(());
+        }
+        let Some(work) = self.work.as_mut().filter(|work| work.is_settled) else { return Ok(()) };
+        let sheet = work.sheet()?;
+        let pages = tiles(&sheet, &work.pdf_params()).unwrap_or_default();
+        let height = sheet.size[1];
+        let pages = pages.into_iter().map(|tile| PageView {
+            name: tile.name,
+            frame: [
+                tile.low[0],
+                height - tile.high[1],
+                tile.high[0] - tile.low[0],
+                tile.high[1] - tile.low[1],
+            ],
+        });
+        let pages = pages.collect();
+        let svg = svg(&sheet, &exports::svg_params(&work.settings))
+            .map_err(|error| exports::unwritten(&work.document.name, &error))?;
+        let report = work.pattern_report()?;
+        let is_nesting = work.patterning.as_ref().is_some_and(|made| made.is_nesting);
+        let svg = String::from_utf8_lossy(&svg).into_owned();
+        events.push(Event::Pattern(PatternView { svg, pages, report, is_nesting }));
+        Ok(())
+    }
+
+    pub(super) fn nest(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        if self.is_running {
+            self.pause(events)?;
+        }
+        let made = self.settled()?.pattern()?;
+        made.nest.allow(NESTING_STEPS);
+        made.is_nesting = made.nest.status() == Status::Running;
+        events.push(self.status());
+        self.tell_pattern(events)
+    }
+
+    pub(super) fn stop_nesting(&mut self) {
+        if let Some(made) = self.work.as_mut().and_then(|work| work.patterning.as_mut()) {
+            made.is_nesting = false;
+        }
+    }
+
+    pub(super) fn is_nesting(&self) -> bool {
+        let made = self.work.as_ref().and_then(|work| work.patterning.as_ref());
+        made.is_some_and(|made| made.is_nesting)
+    }
+
+    /// One step of nesting.
+    pub(super) fn nest_on(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Ok(()) };
+        let Some(made) = &mut work.patterning else { return Ok(()) };
+        let before = made.nest.state().cost_mm;
+        let result = made.nest.step();
+        made.is_nesting = matches!(&result, Ok(report) if report.status == Status::Running);
+        let is_better = made.nest.state().cost_mm < before;
+        let has_ended = !made.is_nesting;
+        result.map_err(|error| Problem::solve(&work.document.name, &error))?;
+        if is_better || has_ended {
+            self.tell_pattern(events)?;
+        }
+        Ok(())
+    }
+
+    /// What the status line says of nesting.
+    pub(super) fn nesting_text(&self) -> Option<String> {
+        let made = self.work.as_ref()?.patterning.as_ref().filter(|made| made.is_nesting)?;
+        Some(format!("Running step {} of nesting", made.nest.steps() + 1))
+    }
+
+    pub(super) fn apply_trade(&mut self, id: &str, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let trades = specs::trades();
+        let Some((_, label, _, values)) = trades.iter().find(|(known, ..)| *known == id) else {
+            let known: Vec<&str> = trades.iter().map(|(id, ..)| *id).collect();
+            return Err(Problem::new(
+                format!("There is no trade called “{id}”."),
+                "In the choice of a trade.",
+                format!("Choose one of {}.", known.join(", ")),
+            ));
+        };
+        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let mut settings = work.settings.clone();
+        for spec in specs() {
+            let asked = values.iter().find(|(id, _)| *id == spec.id).map(|(_, value)| value);
+            settings.set(&spec.id, asked.unwrap_or(&spec.default).clone())?;
+        }
+        let label = format!("preset {label} for patterns");
+        self.apply(&label, settings, Effect::Pattern, events)
+    }
+
+    pub(super) fn trades_event(&self) -> Event {
+        let options = specs::trades();
+        let values = self.work.as_ref().map(|work| work.settings.values()).unwrap_or_default();
+        let is_so = |asked: &[(&str, Value)]| {
+            specs().iter().all(|spec| {
+                let wanted = asked.iter().find(|(id, _)| *id == spec.id).map(|(_, value)| value);
+                values.get(&spec.id) == Some(wanted.unwrap_or(&spec.default))
+            })
+        };
+        let current = options.iter().find(|(.., values)| is_so(values));
+        Event::Trades {
+            current: current.map(|(id, ..)| (*id).to_owned()),
+            options: options
+                .iter()
+                .map(|(id, label, help, _)| TradeChoice {
+                    id: (*id).into(),
+                    label: (*label).into(),
+                    help: (*help).into(),
+                })
+                .collect(),
+        }
+    }
+
+    pub(super) fn set_seam_allowance(
+        &mut self,
+        seam: usize,
+        mm: Option<f64>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let made = self.settled()?.pattern()?;
+        let count = made.blanks.seams.iter().map(|seam| seam.number).max().unwrap_or(0);
+        if !made.blanks.seams.iter().any(|known| known.number == seam) {
+            return Err(Problem::new(
+                format!("There is no seam {seam}."),
+                "Seam allowance of one seam.",
+                format!("Choose a number from 1 to {count}."),
+            ));
+        }
+        if mm.is_some_and(|mm| !(0.0..=100.0).contains(&mm)) {
+            return Err(Problem::new(
+                "The allowance is out of range.",
+                format!("Seam {seam}."),
+                "Choose a number from 0 to 100 mm.",
+            ));
+        }
+        self.remember("change the allowance of a seam", &format!("set allowance {seam}"));
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        match mm {
+            Some(mm) => work.seam_allowances.insert(seam, mm),
+            None => work.seam_allowances.remove(&seam),
+        };
+        work.drop_pattern();
+        events.push(self.history_event());
+        self.tell_pattern(events)
+    }
+}
