@@ -14,9 +14,13 @@
 mod attributes;
 mod flaps;
 mod folds;
+mod grain;
+mod hints;
 mod json;
+mod kerf;
 mod labels;
 mod laid;
+mod marks;
 mod number;
 mod obj;
 mod piece;
@@ -28,8 +32,12 @@ pub use flaps::{
     Base, Flap, FlapLabel, FlapNotice, FlapParams, FlapSide, cut_with_flaps, flap_labels, flaps,
 };
 pub use folds::{Fold, FoldParams, fold_layer, fold_shortening_mm, folds};
+pub use grain::{Grain, GrainParams, grain};
+pub use hints::{Ease, HintParams, Hints, PieceHints, hints};
 pub use json::cut_json;
+pub use kerf::kerf;
 pub use laid::LaidSurface;
+pub use marks::{Dart, Mark, MarkKind, MarkParams, darts, marks};
 pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
 pub use seam::{Partner, Seam};

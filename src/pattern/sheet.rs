@@ -1,8 +1,9 @@
 //! What is drawn of a pattern: lines and texts in layers, the same for every drawing format.
 
-use super::labels::{Labels, text_width, unit};
+use super::labels::{Labels, text_width};
+use super::marks::{seam_ends, tick};
 use super::number::millimetre_text;
-use super::piece::{Bounds, Pattern, Piece, length};
+use super::piece::{Bounds, Pattern};
 use super::seam::Partner;
 
 /// A kind of line or text; drawing programs show or hide each as a whole.
@@ -128,8 +129,6 @@ impl Default for SheetParams {
 const SQUARE: f64 = 50.0;
 /// Between the pieces and what stands below them.
 const GAP: f64 = 10.0;
-/// Length of the ticks where seams end.
-const TICK: f64 = 2.0;
 
 impl Sheet {
     /// Lays out title, control square, names and seam labels around the pieces.
@@ -267,35 +266,4 @@ fn footer(pattern: &Pattern, params: &SheetParams) -> Vec<(String, f64)> {
     lines.push(("Print at 100 %: the square measures 50 mm".into(), 3.0));
     lines.push(("Outer side up. 3 > B: seam 3, sewn to piece B".into(), 3.0));
     lines
-}
-
-/// Outline and point of every end of a seam, and the beginnings of closed seams.
-fn seam_ends(piece: &Piece) -> Vec<(usize, usize)> {
-    let mut ends = Vec::new();
-    for seam in &piece.seams {
-        let n = piece.outlines[seam.outline].points.len();
-        ends.push((seam.outline, seam.first));
-        ends.push((seam.outline, (seam.first + seam.sides) % n));
-    }
-    ends.sort_unstable();
-    ends.dedup();
-    ends
-}
-
-/// A short line from a point of an outline into the piece, halving the angle there.
-fn tick(points: &[[f64; 2]], at: usize) -> Vec<[f64; 2]> {
-    let n = points.len();
-    let p = points[at];
-    // Directions over a distance, because an outline may have steps far smaller than what is drawn.
-    let far = |step: usize| {
-        let mut others = (1..n).map(|k| points[(at + k * step) % n]);
-        let is_far = |q: &[f64; 2]| length(&[p, *q]) > 0.5 * TICK;
-        others.clone().find(is_far).or_else(|| others.next_back()).unwrap_or(p)
-    };
-    let (into, out) = (unit(far(n - 1), p), unit(p, far(1)));
-    // Sum of the left normals; where the outline turns back on itself (tip of a slit) straight on.
-    let sum = [-(into[1] + out[1]), into[0] + out[0]];
-    let size = sum[0].hypot(sum[1]);
-    let [x, y] = if size > 1e-6 { sum.map(|s| s / size) } else { into };
-    vec![p, [p[0] + TICK * x, p[1] + TICK * y]]
 }
