@@ -3,10 +3,14 @@
 use i_overlay::mesh::float::outline::offset::OutlineOffset;
 use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 
+use super::folds::simplified;
+
 /// Corners sharper than this are cut off, radians: their tip would lie far beyond the piece.
 const SHARPEST: f64 = std::f64::consts::PI / 6.0;
 /// Turns up to this keep one point, radians. Rounder corners would get two points less than a nanometre apart.
 const STRAIGHT: f64 = 1e-6;
+/// Points that lie beside a side by less than this are left out, mm.
+const ROUNDING_MM: f64 = 1e-5;
 
 /// Outlines of what is left when a beam of width k runs along them: outer outlines grow by k / 2, holes shrink by it.
 ///
@@ -25,7 +29,21 @@ pub fn kerf(outlines: &[Vec<[f64; 2]>], width_mm: f64) -> Vec<Vec<[f64; 2]>> {
         .line_join(LineJoin::Miter(SHARPEST))
         .miter_min_turn(STRAIGHT);
     let shapes = outlines.to_vec().outline_as::<i64>(&style);
-    shapes.into_iter().flatten().collect()
+    shapes.into_iter().flatten().map(|ring| without_straight(&ring)).collect()
+}
+
+/// Joins leave points on straight sides, off by rounding.
+fn without_straight(ring: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    // The lowest point of a ring is a corner of it.
+    let low = |&i: &usize| (ring[i][1], ring[i][0]);
+    let by_height = |a: &usize, b: &usize| {
+        let (a, b) = (low(a), low(b));
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    };
+    let Some(first) = (0..ring.len()).min_by(by_height) else { return Vec::new() };
+    let around: Vec<[f64; 2]> = (0..=ring.len()).map(|i| ring[(first + i) % ring.len()]).collect();
+    let kept = simplified(&around, ROUNDING_MM);
+    kept[..kept.len() - 1].iter().map(|&i| around[i]).collect()
 }
 
 #[cfg(test)]

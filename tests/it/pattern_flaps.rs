@@ -372,7 +372,9 @@ fn flaps_of_random_nets_meet_nothing_and_lie_within_their_partners() {
         told += without.len();
         let [first, second] = made.sides();
         assert!(first.is_disjoint(&second));
-        assert_eq!(first.len() + second.len() + without.len(), made.seam_count());
+        // A seam of several stretches may have flaps on some of them only.
+        let seams: BTreeSet<usize> = first.iter().chain(&second).chain(&without).copied().collect();
+        assert!(seams.into_iter().eq(1..=made.seam_count()), "seed {seed}");
         flap_count += made.flaps.iter().map(Vec::len).sum::<usize>();
     }
     assert!(made_all > 30 && flap_count > 300, "{made_all} {flap_count}");
