@@ -282,7 +282,7 @@ impl Piece {
     }
 
     /// Signed distance to the outlines, positive inside.
-    fn distance(&self, p: [f64; 2]) -> f64 {
+    pub(super) fn distance(&self, p: [f64; 2]) -> f64 {
         let sides = self.outlines.iter().flat_map(Outline::sides);
         let nearest = sides.map(|(a, b)| squared_distance(p, a, b)).fold(f64::INFINITY, f64::min);
         if self.contains(p) { nearest.sqrt() } else { -nearest.sqrt() }

@@ -21,6 +21,7 @@ mod stretches;
 pub use self::cut::cut_with_flaps;
 pub use self::labels::{FlapLabel, flap_labels};
 pub use self::notice::FlapNotice;
+pub(super) use self::shape::turn_left;
 
 use self::fit::Places;
 use self::plan::plan;

@@ -32,7 +32,7 @@ pub(super) fn trapezoid(
 }
 
 /// By how much one direction must be turned left to become another, from 0 to 2π.
-pub(super) fn turn_left(from: [f64; 2], to: [f64; 2]) -> f64 {
+pub(in crate::pattern) fn turn_left(from: [f64; 2], to: [f64; 2]) -> f64 {
     let (sin, cos) = (from[0] * to[1] - from[1] * to[0], from[0] * to[0] + from[1] * to[1]);
     let turn = sin.atan2(cos);
     if turn < 0.0 { turn + TAU } else { turn }

@@ -91,7 +91,7 @@ fn continuations(edges: &[Edge], frame: &Frame, params: &FoldParams) -> Vec<[Opt
 }
 
 /// Indices of the points that remain when all others lie within a distance of the line (Douglas and Peucker).
-fn simplified(points: &[[f64; 2]], tolerance: f64) -> Vec<usize> {
+pub(in crate::pattern) fn simplified(points: &[[f64; 2]], tolerance: f64) -> Vec<usize> {
     split(points.len(), |i, j| {
         let far = (i + 1..j).map(|k| (squared_distance(points[k], points[i], points[j]), k));
         let far = far.filter(|&(squared, _)| squared > tolerance * tolerance);

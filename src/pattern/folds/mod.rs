@@ -10,7 +10,7 @@
 mod chains;
 
 use self::chains::join;
-pub(super) use self::chains::split;
+pub(super) use self::chains::{simplified, split};
 use super::laid::LaidSurface;
 use super::piece::{Pattern, Piece, length};
 use super::sheet::Layer;
