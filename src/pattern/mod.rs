@@ -11,12 +11,17 @@
 //! [`Notice`]. Not guaranteed: that outlines do not overlap on the sheet (layout comes from the caller); that the two sides of a
 //! seam are equally long in the plane (both lengths are at hand; the difference is the ease).
 
+pub mod allowance;
 mod attributes;
+pub mod curve;
+mod grid;
 mod json;
 mod labels;
+pub mod notches;
 mod number;
 mod obj;
 mod piece;
+mod plane;
 mod seam;
 mod sheet;
 mod svg;
