@@ -4,10 +4,10 @@ use super::plane::{cross, dot, minus, nearest, sides, squared_distance, winding}
 use crate::pattern::piece::Bounds;
 
 /// Cells along the longer side of a shape. Fewer, and cells hold many sides; more, and they cost more to fill than they save.
-const CELLS: f64 = 40.0;
+const CELLS: f64 = 64.0;
 
-/// A grid of square cells around outlines. A cell that may hold points near the rim lists the sides that can be nearest to any of
-/// its points; in others the distances at their corners are interpolated.
+/// A grid of square cells around outlines. A cell that may hold points at the distances that must be exact lists the sides that can
+/// be nearest to any of its points; in others the distances at their corners are interpolated, off by less than half a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Field {
     low: [f64; 2],
@@ -30,12 +30,12 @@ struct Side {
 }
 
 impl Field {
-    /// **Takes** outlines with the shape on their left; to what distance the field is to be exact, and how far it must reach.
-    pub fn new(outlines: &[Vec<[f64; 2]>], exact: f64, reach: f64) -> Self {
+    /// **Takes** outlines with the shape on their left; between what distances the field is to be exact, and how far it must reach.
+    pub fn new(outlines: &[Vec<[f64; 2]>], exact: [f64; 2], reach: f64) -> Self {
         let all = outer_sides(outlines);
         let bounds = Bounds::around(outlines.iter().flatten().copied());
         let extent = [0, 1].map(|k| bounds.high[k] - bounds.low[k]);
-        let reach = reach.max(exact);
+        let reach = reach.max(exact[1]);
         let longest = extent[0].max(extent[1]) + 2.0 * reach;
         let cell = longest / CELLS;
         let low = bounds.low.map(|x| x - reach);
@@ -53,18 +53,15 @@ impl Field {
                 corners.push(if winding(outlines, p) != 0 { -distance } else { distance });
             }
         }
-        // No point of a cell is farther from its corners' mean distance than a diagonal.
         let diagonal = cell * std::f64::consts::SQRT_2;
         let mut starts = vec![0];
         let mut lists = Vec::new();
         for j in 0..rows {
             for i in 0..columns {
                 let at = j * (columns + 1) + i;
-                let least = [at, at + 1, at + columns + 1, at + columns + 2]
-                    .map(|k| corners[k])
-                    .into_iter()
-                    .fold(f64::INFINITY, |m, d| if d.abs() < m.abs() { d } else { m });
-                if least > -diagonal && least < exact + diagonal {
+                // Distances of points of a cell are no farther from that of a corner than a diagonal.
+                let d = corners[at];
+                if d > exact[0] - diagonal && d < exact[1] + diagonal {
                     let centre = place(i, j, 0.5);
                     let distances =
                         all.iter().map(|s| squared_distance(centre, s.ends).sqrt());
@@ -115,6 +112,21 @@ impl Field {
             }
         }
         if best.1 < 0.0 { -best.0.sqrt() } else { best.0.sqrt() }
+    }
+
+    /// The direction in which the distance grows, about; `None` off the grid.
+    pub fn gradient(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        // Wide enough to see past the rounding of distances, narrow against the corners of outlines.
+        let h = 1e-3 / self.per_unit;
+        let along = self.distance([x + h, y]) - self.distance([x - h, y]);
+        let up = self.distance([x, y + h]) - self.distance([x, y - h]);
+        let length = along.hypot(up);
+        (length > 0.0 && length.is_finite()).then(|| [along / length, up / length])
+    }
+
+    /// Side of a cell.
+    pub fn cell(&self) -> f64 {
+        1.0 / self.per_unit
     }
 
     /// Disks within the shape that together fill most of it, the largest first: centres at corners of cells, and radii.

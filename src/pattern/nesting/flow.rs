@@ -12,11 +12,13 @@ use crate::pattern::piece::Bounds;
 /// Samples that a step looks up, about: some 60 ms.
 const WORK: u64 = 4_000_000;
 /// The stock is shortened by this part at first, and no more by less than the second.
-const SHORTER: [f64; 2] = [0.04, 0.0005];
+const SHORTER: [f64; 2] = [0.02, 0.0005];
 /// Rounds without a gain after which a trial is given up.
 const PATIENCE: usize = 30;
 /// Trials given up before the stock is shortened by half as much.
 const TRIALS: usize = 3;
+/// Rounds of pushing all parts after each round of moving single ones.
+const RELAXING: usize = 30;
 /// Above this many parts there are too many pairs to search.
 const MOST_PARTS: usize = 3000;
 
@@ -330,6 +332,7 @@ impl NestFlow {
             let j = (i + 1 + self.dice.below(large - 1)) % large;
             search.swap(&self.parts, &self.probes, [order[i], order[j]]);
         }
+        search.relax(&self.parts, &self.probes, 4 * RELAXING);
         Trial { least: search.total(), search, queue: Vec::new(), rounds_without_gain: 0 }
     }
 
@@ -359,6 +362,9 @@ impl NestFlow {
                     trial.rounds_without_gain += 1;
                 }
                 trial.search.weigh();
+                if total > 0.0 {
+                    trial.search.relax(&self.parts, &self.probes, RELAXING);
+                }
                 if total > 0.0 && trial.rounds_without_gain > PATIENCE {
                     self.give_up();
                     return;

@@ -46,12 +46,13 @@ pub(super) struct Probe {
 impl Probe {
     /// **Costs** the most of all preparations: about 2000 cells times the points of the rim.
     pub fn new(part: &Part, gap: f64, most_slack: f64) -> Self {
-        let exact = gap + part.slack + most_slack;
-        let field = Field::new(&part.rim, exact, exact + 0.1 * part.diameter);
+        let exact = [gap + part.slack, gap + part.slack + most_slack];
+        let field = Field::new(&part.rim, exact, exact[1] + 0.1 * part.diameter);
         let mut samples: Vec<Sample> = field
             .disks(DISKS)
             .into_iter()
-            .map(|(at, radius)| Sample { at, radius, weight: 2.0 * radius })
+            // Smaller than they are: fields of others are not exact where disks meet them.
+            .map(|(at, radius)| Sample { at, radius: 0.8 * radius, weight: 2.0 * radius })
             .collect();
         let lengths = part.rim.iter().flat_map(|outline| plane::sides(outline));
         let length: f64 = lengths.map(|[a, b]| size(minus(b, a))).sum();
@@ -201,12 +202,12 @@ impl Separation {
                 let inside = gap + sample.radius - b.field.distance(at);
                 if inside > self.touch {
                     sum += sample.weight * inside;
+                    if sum > most {
+                        return sum;
+                    }
                 }
             }
             *work += a.samples.len() as u64;
-            if sum > most {
-                break;
-            }
         }
         sum
     }
@@ -347,6 +348,110 @@ impl Separation {
             }
         }
         (energy, spot)
+    }
+
+    /// Pushes all parts apart together, as bodies that touch would: for each pair, and each way, the sample that reaches in deepest
+    /// moves both parts along the field's gradient, turns them where they may, until nothing reaches in or rounds are over. Keeps the
+    /// best round.
+    pub fn relax(&mut self, parts: &[Part], probes: &[Probe], rounds: usize) {
+        let n = parts.len();
+        let mut total = self.total();
+        let mut best = (total, self.spots.clone());
+        for _ in 0..rounds {
+            if total <= 0.0 {
+                break;
+            }
+            for j in 1..n {
+                for i in 0..j {
+                    for [a, b] in [[i, j], [j, i]] {
+                        self.push(parts, probes, [a, b]);
+                    }
+                }
+            }
+            (0..n).for_each(|i| self.measure_before(probes, i));
+            total = self.total();
+            if total < best.0 {
+                best = (total, self.spots.clone());
+            }
+        }
+        if total > best.0 {
+            self.spots = best.1;
+            (0..n).for_each(|i| self.measure_before(probes, i));
+        }
+    }
+
+    /// Resolves the deepest contact of samples of one part with the field of another.
+    fn push(&mut self, parts: &[Part], probes: &[Probe], [i, j]: [usize; 2]) {
+        let (s, t) = (self.spots[i], self.spots[j]);
+        let (a, b) = (&probes[i], &probes[j]);
+        let gap = self.gap + a.slack + b.slack;
+        let is_apart = |k: usize| {
+            s.bounds.low[k] >= t.bounds.high[k] + gap || t.bounds.low[k] >= s.bounds.high[k] + gap
+        };
+        if s.sheet != t.sheet || is_apart(0) || is_apart(1) {
+            return;
+        }
+        let [p, q, r, u] = s.turn.relative_to(&t.turn);
+        let [x, y] = t.turn.undo(minus(s.at, t.at));
+        let place = |[px, py]: [f64; 2]| [p * px + q * py + x, r * px + u * py + y];
+        self.work += a.samples.len() as u64;
+        let mut deepest = (self.touch, [0.0; 2], [0.0; 2]);
+        for sample in &a.samples {
+            let at = place(sample.at);
+            let inside = gap + sample.radius - b.field.distance(at);
+            if inside > deepest.0 {
+                deepest = (inside, at, sample.at);
+            }
+        }
+        let (depth, at, own) = deepest;
+        if depth <= self.touch {
+            return;
+        }
+        let Some(out) = b.field.gradient(at) else { return };
+        let out = t.turn.apply(out);
+        // From the middle of each part to the contact, across the direction of the push.
+        let lever = |spot: &Spot, from: [f64; 2]| {
+            let Bounds { low, high } = spot.bounds;
+            let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
+            let at = spot.turn.apply(from);
+            plane::cross(minus([at[0] + spot.at[0], at[1] + spot.at[1]], middle), out)
+        };
+        let levers = [lever(&s, own), lever(&t, at)];
+        let bodies = [i, j];
+        let ease = |k: usize| {
+            let part = &parts[bodies[k]];
+            let inertia = 0.1 * part.diameter * part.diameter;
+            if part.turns_freely() { levers[k] / inertia } else { 0.0 }
+        };
+        let turns = [ease(0), ease(1)];
+        // A little further than needed, so that rounding leaves nothing.
+        let push = (1.02 * depth + 2.0 * self.touch)
+            / (2.0 + turns[0] * levers[0] + turns[1] * levers[1]);
+        for (k, sign) in [(0, 1.0), (1, -1.0)] {
+            let body = bodies[k];
+            let mut spot = self.spots[body];
+            if turns[k] != 0.0
+                && let turn = parts[body].turned(spot.turn, sign * push * turns[k])
+                && let Some(turned) = self.turned(&parts[body], &spot, turn)
+            {
+                spot = turned;
+            }
+            let moved = spot.moved(out.map(|x| sign * push * x));
+            if let Some(moved) = self.clamped(&moved) {
+                self.spots[body] = moved;
+            }
+        }
+    }
+
+    /// Measures a part against those before it.
+    fn measure_before(&mut self, probes: &[Probe], i: usize) {
+        let mut work = 0;
+        for j in 0..i {
+            let spots = [&self.spots[j], &self.spots[i]];
+            let overlap = self.overlap([&probes[j], &probes[i]], spots, f64::INFINITY, &mut work);
+            self.overlaps[pair(i, j)] = overlap;
+        }
+        self.work += work;
     }
 
     /// After a round: what still overlaps weighs more.
