@@ -1,0 +1,187 @@
+//! Signed distance to outlines, fast: exact near them, interpolated far off.
+
+use super::plane::{cross, dot, minus, nearest, sides, squared_distance, winding};
+use crate::pattern::piece::Bounds;
+
+/// Cells along the longer side of a shape. Fewer, and cells hold many sides; more, and they cost more to fill than they save.
+const CELLS: f64 = 64.0;
+
+/// A grid of square cells around outlines. A cell that may hold points at the distances that must be exact lists the sides that can
+/// be nearest to any of its points; in others the distances at their corners are interpolated, off by less than half a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Field {
+    low: [f64; 2],
+    per_unit: f64,
+    columns: usize,
+    rows: usize,
+    /// At the corners of cells, row by row; negative inside.
+    corners: Vec<f64>,
+    /// Where the sides of each cell begin in `lists`.
+    starts: Vec<u32>,
+    lists: Vec<u32>,
+    sides: Vec<Side>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Side {
+    ends: [[f64; 2]; 2],
+    /// Out of the shape at its inside and at its ends; of any length.
+    out: [[f64; 2]; 3],
+}
+
+impl Field {
+    /// **Takes** outlines with the shape on their left; between what distances the field is to be exact, and how far it must reach.
+    pub fn new(outlines: &[Vec<[f64; 2]>], exact: [f64; 2], reach: f64) -> Self {
+        let all = outer_sides(outlines);
+        let bounds = Bounds::around(outlines.iter().flatten().copied());
+        let extent = [0, 1].map(|k| bounds.high[k] - bounds.low[k]);
+        let reach = reach.max(exact[1]);
+        let longest = extent[0].max(extent[1]) + 2.0 * reach;
+        let cell = longest / CELLS;
+        let low = bounds.low.map(|x| x - reach);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "about CELLS")]
+        let [columns, rows] = extent.map(|e| ((e + 2.0 * reach) / cell).ceil().max(1.0) as usize);
+        let place = |i: usize, j: usize, half: f64| {
+            [low[0] + (i as f64 + half) * cell, low[1] + (j as f64 + half) * cell]
+        };
+        let mut corners = Vec::with_capacity((columns + 1) * (rows + 1));
+        for j in 0..=rows {
+            for i in 0..=columns {
+                let p = place(i, j, 0.0);
+                let squared = all.iter().map(|s| squared_distance(p, s.ends));
+                let distance = squared.fold(f64::INFINITY, f64::min).sqrt();
+                corners.push(if winding(outlines, p) != 0 { -distance } else { distance });
+            }
+        }
+        let diagonal = cell * std::f64::consts::SQRT_2;
+        let mut starts = vec![0];
+        let mut lists = Vec::new();
+        for j in 0..rows {
+            for i in 0..columns {
+                let at = j * (columns + 1) + i;
+                // Distances of points of a cell are no farther from that of a corner than a diagonal.
+                let d = corners[at];
+                if d > exact[0] - diagonal && d < exact[1] + diagonal {
+                    let centre = place(i, j, 0.5);
+                    let distances =
+                        all.iter().map(|s| squared_distance(centre, s.ends).sqrt());
+                    let nearest = distances.clone().fold(f64::INFINITY, f64::min);
+                    let within = distances.zip(0..).filter(|(d, _)| *d <= nearest + diagonal);
+                    lists.extend(within.map(|(_, k)| k));
+                }
+                starts.push(u32::try_from(lists.len()).unwrap_or(u32::MAX));
+            }
+        }
+        Self { low, per_unit: 1.0 / cell, columns, rows, corners, starts, lists, sides: all }
+    }
+
+    /// Distance to the rim, negative inside; infinite off the grid.
+    pub fn distance(&self, p: [f64; 2]) -> f64 {
+        let x = (p[0] - self.low[0]) * self.per_unit;
+        let y = (p[1] - self.low[1]) * self.per_unit;
+        if !(x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64) {
+            return f64::INFINITY;
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "just bounded")]
+        let (i, j) = (x as usize, y as usize);
+        let cell = j * self.columns + i;
+        let list = self.starts[cell] as usize..self.starts[cell + 1] as usize;
+        if list.is_empty() {
+            let (s, t) = (x - i as f64, y - j as f64);
+            let at = j * (self.columns + 1) + i;
+            let above = at + self.columns + 1;
+            let lower = self.corners[at] * (1.0 - s) + self.corners[at + 1] * s;
+            let upper = self.corners[above] * (1.0 - s) + self.corners[above + 1] * s;
+            return lower * (1.0 - t) + upper * t;
+        }
+        let mut best = (f64::INFINITY, 0.0);
+        for &k in &self.lists[list] {
+            let side = &self.sides[k as usize];
+            let foot = nearest(p, side.ends);
+            let away = minus(p, foot);
+            let squared = dot(away, away);
+            if squared < best.0 {
+                let out = if foot == side.ends[0] {
+                    side.out[1]
+                } else if foot == side.ends[1] {
+                    side.out[2]
+                } else {
+                    side.out[0]
+                };
+                best = (squared, dot(away, out));
+            }
+        }
+        if best.1 < 0.0 { -best.0.sqrt() } else { best.0.sqrt() }
+    }
+
+    /// The direction in which the distance grows, about; `None` off the grid.
+    pub fn gradient(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        // Wide enough to see past the rounding of distances, narrow against the corners of outlines.
+        let h = 1e-3 / self.per_unit;
+        let along = self.distance([x + h, y]) - self.distance([x - h, y]);
+        let up = self.distance([x, y + h]) - self.distance([x, y - h]);
+        let length = along.hypot(up);
+        (length > 0.0 && length.is_finite()).then(|| [along / length, up / length])
+    }
+
+    /// Side of a cell.
+    pub fn cell(&self) -> f64 {
+        1.0 / self.per_unit
+    }
+
+    /// Disks within the shape that together fill most of it, the largest first: centres at corners of cells, and radii.
+    pub fn disks(&self, most: usize) -> Vec<([f64; 2], f64)> {
+        let cell = 1.0 / self.per_unit;
+        let mut inner: Vec<([f64; 2], f64)> = Vec::new();
+        for (at, &distance) in self.corners.iter().enumerate() {
+            if distance < 0.0 {
+                let (i, j) = (at % (self.columns + 1), at / (self.columns + 1));
+                let p = [self.low[0] + i as f64 * cell, self.low[1] + j as f64 * cell];
+                inner.push((p, -distance));
+            }
+        }
+        // Stable: of equals the lowest stays first.
+        inner.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+        let mut disks: Vec<([f64; 2], f64)> = Vec::new();
+        for (p, r) in inner {
+            let is_covered = |(q, s): &([f64; 2], f64)| {
+                let away = minus(p, *q);
+                dot(away, away) < s * s
+            };
+            let is_small = disks.first().is_some_and(|(_, largest)| r < 0.1 * largest);
+            if disks.len() >= most || is_small {
+                break;
+            }
+            if !disks.iter().any(is_covered) {
+                disks.push((p, r));
+            }
+        }
+        disks
+    }
+}
+
+/// The sides of all outlines with directions out of the shape.
+fn outer_sides(outlines: &[Vec<[f64; 2]>]) -> Vec<Side> {
+    let mut all = Vec::new();
+    for outline in outlines {
+        let proper: Vec<[[f64; 2]; 2]> = sides(outline).filter(|[a, b]| a != b).collect();
+        let out = |k: usize| {
+            let [a, b] = proper[k % proper.len()];
+            let [x, y] = minus(b, a);
+            let length = x.hypot(y);
+            [y / length, -x / length]
+        };
+        let n = proper.len();
+        for k in 0..n {
+            let [before, own, after] = [out(k + n - 1), out(k), out(k + 1)];
+            // Where an outline turns back on itself both sides of its tip are outside.
+            let sum = |s: [f64; 2], t: [f64; 2]| {
+                let sum = [s[0] + t[0], s[1] + t[1]];
+                if dot(sum, sum) > 1e-20 { sum } else { [-s[1], s[0]].map(|x| x * cross(s, t).signum()) }
+            };
+            let out = [own, sum(before, own), sum(own, after)];
+            all.push(Side { ends: proper[k], out });
+        }
+    }
+    all
+}
