@@ -144,7 +144,8 @@ impl Maker<'_> {
         let piece = self.piece;
         let mut cut = if self.params.flaps.is_some() {
             for (k, flap) in flaps.iter().enumerate() {
-                let points = piece.outlines[flap.base.outline].run(flap.base.first, flap.base.sides);
+                let points =
+                    piece.outlines[flap.base.outline].run(flap.base.first, flap.base.sides);
                 let least = self.params.folds.unwrap_or_default().least_angle;
                 let layer = fold_layer(flap.angle, least);
                 self.push(layer, format!("base-{}", k + 1), Some(flap.base.seam), false, points);

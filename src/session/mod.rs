@@ -26,6 +26,7 @@ mod outlines;
 mod overlays;
 mod paint;
 mod params;
+mod patterning;
 mod picture;
 mod preparing;
 mod presets;
@@ -72,6 +73,7 @@ pub use message::{
 pub use method::Method;
 pub use outlines::Outline;
 pub use params::{Effect, Settings};
+pub use patterning::{PageView, PatternPieceReport, PatternReport, PatternSeamReport, PatternView};
 pub use regions::FaceSource;
 pub use report::{
     ComparisonReport, CutReport, FlattenReport, FoldReport, HistoryRow, InfoReport, RefinedReport,
@@ -115,6 +117,8 @@ pub struct Session {
     replay: Replay,
     /// Whether a control is held.
     is_held: bool,
+    /// Whether somebody looks at the sheet of the pattern.
+    is_pattern_shown: bool,
 }
 
 impl Session {
@@ -219,6 +223,12 @@ impl Session {
             Command::SelectSegment { node } => self.select_segment(node, &mut events),
             Command::Sew { patches, joins } => self.sew(patches, joins, &mut events),
             Command::HandOver => self.hand_over(&mut events),
+            Command::ShowPattern { is_shown } => self.show_pattern(is_shown, &mut events),
+            Command::Nest => self.nest(&mut events),
+            Command::ApplyTrade { id } => self.apply_trade(&id, &mut events),
+            Command::SetSeamAllowance { seam, mm } => {
+                self.set_seam_allowance(seam, mm, &mut events)
+            }
         };
         match (result, entry) {
             (Ok(()), Some(entry)) => self.log.push(entry),
@@ -306,6 +316,8 @@ impl Session {
         } else if self.first_cut_is_due() {
             self.make_first_cut(events);
             Ok(())
+        } else if self.is_nesting() {
+            self.nest_on(events)
         } else if self.method() == Method::Cones {
             self.is_running = false;
             Ok(())
@@ -343,6 +355,7 @@ impl Session {
             || self.is_folding()
             || self.is_refining()
             || self.cones_have_work()
+            || self.is_nesting()
     }
 
     /// Whether something was painted that the flow does not know yet.
@@ -460,7 +473,7 @@ impl Session {
         if kind != work::MESH {
             self.settled()?;
         }
-        let Some(work) = &self.work else { return Err(nothing_open()) };
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
         work.export(kind)
     }
 
@@ -743,7 +756,14 @@ impl Session {
                     events.push(Event::Scene);
                 }
             }
-            (Effect::Export, None) => events.push(work.measures()),
+            (Effect::Export, None) => {
+                work.drop_pattern();
+                events.push(work.measures());
+            }
+            (Effect::Pattern, None) => {
+                work.drop_pattern();
+                events.push(self.trades_event());
+            }
             (Effect::Cones, None) => self.cones_are_due(),
             (Effect::ConeSet, None) => self.use_cones_anew(),
             (Effect::Segments, None) if self.is_segmenting() => self.segment_follow(events)?,
@@ -754,6 +774,9 @@ impl Session {
         events.extend(self.size_event());
         events.push(self.history_event());
         events.push(self.status());
+        if matches!(effect, Effect::Export | Effect::Pattern) {
+            self.tell_pattern(events)?;
+        }
         Ok(())
     }
 
@@ -861,6 +884,8 @@ impl Session {
         let refining = work.refinement.as_ref().filter(|_| self.is_refining());
         let (state, text) = if !self.replay.is_over() {
             ("preparing", self.replay.status())
+        } else if let Some(text) = self.nesting_text() {
+            ("running", text)
         } else if let Some(refinement) = refining {
             ("running", format!("Running step {} of evening out", refinement.steps() + 1))
         } else if let Some(fold) = folding {

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use super::message::{ParamKind, Value};
 use super::specs::all_specs;
 use super::text::Problem;
-use super::{cones, segmenting};
+use super::{cones, patterning, segmenting};
 use crate::methods::cutflow::{CutFlowParams, Pointwise, Schedule, Scheme, Topology, Weights};
 
 /// Values of all parameters of the cut flow.
@@ -28,8 +28,10 @@ pub enum Effect {
     NextStep,
     /// The cut at rest is finished another way.
     Finish,
-    /// Only exports change.
+    /// Only measures and files in millimetres change.
     Export,
+    /// Only the pattern changes.
+    Pattern,
     /// Cones are found anew.
     Cones,
     /// The same cones are used another way.
@@ -175,6 +177,7 @@ impl Settings {
         self.values.insert(key, value);
         Ok(Some(match *key {
             "size" | "unit" => Effect::Export,
+            id if patterning::specs().iter().any(|spec| spec.id == id) => Effect::Pattern,
             "init" | "angle" | "regions" | "cells" | "axis" | "offset" | "vertex" | "radius" => {
                 Effect::Restart
             }
@@ -324,6 +327,40 @@ const IDS: &[&str] = &[
     "merge_strategy",
     "improvements",
     "seam_price",
+    "allowance",
+    "rim_allowance",
+    "corner",
+    "notches",
+    "notch_spacing",
+    "seam_labels",
+    "piece_labels",
+    "marks",
+    "hints",
+    "grain",
+    "folds",
+    "fold_angle",
+    "flaps",
+    "flap_depth",
+    "flap_angle",
+    "copies",
+    "mirrored",
+    "outlines",
+    "curve_tolerance",
+    "kerf",
+    "stock",
+    "stock_width",
+    "stock_height",
+    "gap",
+    "stock_margin",
+    "turns",
+    "svg_profile",
+    "dxf_profile",
+    "dxf_unit",
+    "paper",
+    "page_overlap",
+    "uv_texture",
+    "uv_pixels",
+    "uv_margin",
 ];
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use super::surface::{Surface, face_to_vertex};
 use crate::mesh::{FaceId, OpenedMesh, SurfacePoint, VertexId};
 
 /// Colours of the palette.
-pub(super) const COLOURS: usize = 9;
+pub(super) const COLOURS: usize = PALETTE.len();
 
 /// The field u where it is no scale factor: of a uniform or painted source.
 pub const TEMPERATURE: &str = "temperature";

@@ -133,7 +133,9 @@ impl Work {
     /// Evens out to the end.
     pub(super) fn finish_refinement(&mut self) -> Result<(), Problem> {
         if let (Some(refinement), Some(layout)) = (&mut self.refinement, &mut self.layout) {
-            refinement.finish(self.document.surface()?, layout);
+            if refinement.finish(self.document.surface()?, layout) {
+                self.patterning = None;
+            }
         }
         Ok(())
     }
@@ -152,6 +154,8 @@ impl Session {
         };
         let surface = work.document.surface()?;
         refinement.step(surface, layout);
+        work.drop_pattern();
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
         self.scene_is_new = true;
         events.push(work.measures());
         Ok(())

@@ -38,6 +38,7 @@ impl Session {
 
     pub(super) fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
+        self.stop_nesting();
         self.cones_pause();
         if let Some(fold) = self.work.as_mut().and_then(|work| work.fold.as_mut()) {
             fold.is_running = false;

@@ -10,6 +10,10 @@
 //! chart yet or a field no value; every index in range. Not guaranteed: that charts are free of flips
 //! ([`PatchScene::flipped`] says so).
 
+/// Nine region colours of even lightness, sRGB, chosen for distance under the three colour deficiencies.
+pub const PALETTE: [u32; 9] =
+    [0xefa38f, 0xc3a657, 0xe2cb77, 0xb3deb7, 0x8adfff, 0x92c1fe, 0xa9a0dc, 0xebadcf, 0xdb8fae];
+
 /// One drawable state. All per-vertex arrays have `vertex_count()` entries (times their stride).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {

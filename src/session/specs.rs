@@ -3,7 +3,7 @@
 use super::message::{Choice, Condition, ParamKind, ParamSpec, Value};
 use super::method::Method;
 use super::size::{RANGE_MM, UNITS};
-use super::{charting, cones, segmenting};
+use super::{charting, cones, patterning, segmenting};
 
 /// The group of unit and size, which the page shows in a panel of their own.
 const SIZE: &str = "Size";
@@ -71,7 +71,7 @@ pub fn specs() -> Vec<ParamSpec> {
 
 /// The parameters of a method, in the order of the panel.
 pub fn specs_of(method: Method) -> Vec<ParamSpec> {
-    match method {
+    let mut all = match method {
         Method::CutFlow => specs(),
         Method::Cones => {
             // Cones decide what the outline is.
@@ -83,12 +83,21 @@ pub fn specs_of(method: Method) -> Vec<ParamSpec> {
             [segmenting::phase_specs(), finish(), charting::specs(), size()].concat()
         }
         Method::Developable => [segmenting::develop_specs(), charting::specs(), size()].concat(),
-    }
+    };
+    all.extend(patterning::specs());
+    all
 }
 
 /// The parameters of all methods, each once.
 pub fn all_specs() -> Vec<ParamSpec> {
-    [specs(), cones::specs(), segmenting::phase_specs(), segmenting::develop_specs()].concat()
+    [
+        specs(),
+        cones::specs(),
+        segmenting::phase_specs(),
+        segmenting::develop_specs(),
+        patterning::specs(),
+    ]
+    .concat()
 }
 
 pub(super) fn choice(

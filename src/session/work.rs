@@ -13,6 +13,7 @@ use super::layout::{Finish, Layout};
 use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
 use super::method::Method;
 use super::params::Settings;
+use super::patterning::Patterning;
 use super::project::Log;
 use super::refining::Refinement;
 use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
@@ -28,7 +29,7 @@ use crate::geometry::Symmetry;
 use crate::mesh::CutMesh;
 use crate::methods::cutflow::{Checkpoint, CutFields, CutFlow, Pointwise, Stages};
 use crate::methods::flow::{Flow, Status};
-use crate::pattern::{self, Pattern, Sheet, SheetParams, SvgParams};
+use crate::pattern;
 
 /// The export that needs no cut.
 pub(super) const MESH: &str = "Mesh (OBJ)";
@@ -66,6 +67,10 @@ pub(super) struct Work {
     pub layout: Option<Layout>,
     /// Overlapping charts of the segments at rest, once they were looked at.
     pub atlas: Option<LayerScene>,
+    /// The pattern of the layout at rest, once somebody asked for it.
+    pub patterning: Option<Patterning>,
+    /// Allowances of single seams of that layout, mm.
+    pub seam_allowances: BTreeMap<usize, f64>,
     /// The layout at rest is of the current cut.
     pub is_settled: bool,
     /// Shown, but not cut yet.
@@ -270,6 +275,8 @@ impl Work {
             history,
             layout: None,
             atlas: None,
+            patterning: None,
+            seam_allowances: BTreeMap::new(),
             is_settled: false,
             first_cut_is_due: false,
             start: None,
@@ -332,7 +339,12 @@ impl Work {
 
     /// A fold belongs to the layout that it was made of, and so does a refinement.
     fn put_layout(&mut self, layout: Layout) {
+        // Seams of another cut have other numbers.
+        if self.layout.as_ref().is_none_or(|old| old.cut.cut_edges != layout.cut.cut_edges) {
+            self.seam_allowances.clear();
+        }
         self.layout = Some(layout);
+        self.drop_pattern();
         self.atlas = None;
         self.fold = None;
         self.refinement = None;
@@ -530,7 +542,10 @@ impl Work {
         })
     }
 
-    pub fn export(&self, kind: &str) -> Result<File, Problem> {
+    pub fn export(&mut self, kind: &str) -> Result<File, Problem> {
+        if let Some(made) = self.pattern_export(kind) {
+            return made;
+        }
         let document = &*self.document;
         if kind == MESH {
             let mm = size::stated(document, &self.settings);
@@ -548,32 +563,10 @@ impl Work {
         let file =
             |suffix: &str, mime, bytes| File { name: format!("{stem}-{suffix}"), mime, bytes };
         match kind {
-            "UV mesh (OBJ)" => {
-                let bytes = pattern::uv_obj(&surface, &layout.charts, 1.0 / given.frame.scale);
-                Ok(file("uv.obj", "model/obj", bytes))
-            }
             "Cut curves (OBJ)" => Ok(file("cut.obj", "model/obj", pattern::cut_obj(&surface))),
             "Cut (JSON)" => {
                 let bytes = pattern::cut_json(&surface, &layout.labels(&self.labels()));
                 Ok(file("cut.json", "application/json", bytes))
-            }
-            "Pattern (SVG)" => {
-                let mm = self.mm_per_unit();
-                let (pieces, _) = Pattern::new(&layout.opened, &layout.charts, &layout.points, mm);
-                let params = SheetParams {
-                    title: base_name(&document.name).to_owned(),
-                    mm_per_model_unit: Some(mm * given.frame.scale),
-                    ..SheetParams::default()
-                };
-                let sheet = Sheet::new(pieces, &params);
-                let bytes = pattern::svg(&sheet, &SvgParams::default()).map_err(|error| {
-                    Problem::new(
-                        "The pattern cannot be written.",
-                        format!("{}: {error}.", document.name),
-                        "Choose another size.",
-                    )
-                })?;
-                Ok(file("pattern.svg", "image/svg+xml", bytes))
             }
             "Folded surface (OBJ)" => {
                 let Some(fold) = &self.fold else {
@@ -701,7 +694,7 @@ fn folded_obj(layout: &Layout, places: &[[f64; 3]]) -> Vec<u8> {
 }
 
 /// A file name without its folders.
-fn base_name(name: &str) -> &str {
+pub(super) fn base_name(name: &str) -> &str {
     name.rsplit(['/', '\\']).next().unwrap_or(name)
 }
 

@@ -4,11 +4,8 @@
 //! where they compute light and encode what they write, so that a picture does not depend on
 //! whether a backend offers an sRGB surface.
 
-use crate::session::scene::PatchScene;
+use crate::session::scene::{PALETTE, PatchScene};
 
-/// Nine region colours of even lightness, chosen for distance under the three colour deficiencies.
-const PALETTE: [u32; 9] =
-    [0xefa38f, 0xc3a657, 0xe2cb77, 0xb3deb7, 0x8adfff, 0x92c1fe, 0xa9a0dc, 0xebadcf, 0xdb8fae];
 /// Signed fields, zero at the centre.
 const DIVERGING: [u32; 9] =
     [0x1f4e9e, 0x4d80c4, 0x8db4e0, 0xcfdfef, 0xf6f5f3, 0xf3d3c8, 0xe29c88, 0xc65f52, 0x9c2430];

@@ -24,14 +24,14 @@ use cutflow::session::samples;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 /// A surface, cut and flattened: every patch of it can be unfolded without distortion.
-pub(crate) struct Example {
-    soup: Soup,
-    mesh: Mesh,
-    cut: CutMesh,
-    pub(crate) opened: OpenedMesh,
+pub struct Example {
+    pub soup: Soup,
+    pub mesh: Mesh,
+    pub cut: CutMesh,
+    pub opened: OpenedMesh,
     /// Of the points of the cut mesh.
-    pub(crate) positions: Vec<Point3<f64>>,
-    pub(crate) charts: Vec<[f64; 2]>,
+    pub positions: Vec<Point3<f64>>,
+    pub charts: Vec<[f64; 2]>,
 }
 
 impl Example {
@@ -64,7 +64,7 @@ impl Example {
         Self { soup, mesh, cut, opened, positions, charts }
     }
 
-    fn surface(&self) -> CutSurface<'_> {
+    pub fn surface(&self) -> CutSurface<'_> {
         let Self { soup, mesh, cut, opened, .. } = self;
         CutSurface {
             soup,
@@ -77,7 +77,7 @@ impl Example {
         }
     }
 
-    pub(crate) fn pattern(&self, mm_per_unit: f64) -> (Pattern, Vec<Notice>) {
+    pub fn pattern(&self, mm_per_unit: f64) -> (Pattern, Vec<Notice>) {
         Pattern::new(&self.opened, &self.charts, &self.positions, mm_per_unit)
     }
 
@@ -148,7 +148,7 @@ fn unfold(opened: &OpenedMesh, positions: &[Point3<f64>]) -> Vec<Point2<f64>> {
 }
 
 /// A cube of side 1 whose lid (z = 1) is cut off, and whose four standing edges are cut.
-pub(crate) fn box_with_lid() -> Example {
+pub fn box_with_lid() -> Example {
     let positions = (0..8).map(|i| [f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)]);
     let quads =
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
@@ -158,7 +158,7 @@ pub(crate) fn box_with_lid() -> Example {
 }
 
 /// Two squares on each other, sewn all around: a pillow before it is filled.
-pub(crate) fn pillow() -> Example {
+pub fn pillow() -> Example {
     let corners = (0..3).flat_map(|i| (0..3).map(move |j| [f64::from(i), f64::from(j), 0.0]));
     let mut positions: Vec<[f64; 3]> = corners.collect();
     positions.push([1.0, 1.0, 0.0]);
@@ -178,7 +178,7 @@ pub(crate) fn pillow() -> Example {
 }
 
 /// The side of a prism with open ends, cut from end to end, with a slit on the opposite side that ends inside.
-pub(crate) fn slit_prism() -> Example {
+pub fn slit_prism() -> Example {
     let at = |i: u32, j: u32| 5 * (i % 12) + j;
     let mut triangles = Vec::new();
     for (i, j) in (0..12).flat_map(|i| (0..4).map(move |j| (i, j))) {
@@ -195,7 +195,7 @@ pub(crate) fn slit_prism() -> Example {
 
 /// A square of two triangles, cut upright at x = 1/4, with a slit into one face; the file has awkward numbers and two
 /// vertices that nothing uses.
-fn cut_square() -> Example {
+pub fn cut_square() -> Example {
     let triangles = [[0, 1, 2], [0, 2, 4]];
     let low = 0.1 + 0.2 - 0.3;
     let positions = vec![

@@ -2,6 +2,7 @@
 
 use super::super::message::File;
 use super::super::params::{Settings, whole};
+use super::super::scene::PALETTE;
 use super::super::text::Problem;
 use super::super::work::{Work, stem};
 use super::super::{nothing_open, picture, size};
@@ -41,10 +42,10 @@ pub(super) fn svg_params(settings: &Settings) -> SvgParams {
 fn dxf_params(settings: &Settings) -> DxfParams {
     match settings.text("dxf_profile") {
         "astm" => DxfParams::Astm(AstmParams::default()),
-        "gerber" => DxfParams::Astm(AstmParams { gerber: true, ..AstmParams::default() }),
+        "gerber" => DxfParams::Astm(AstmParams { is_gerber: true, ..AstmParams::default() }),
         profile => DxfParams::Plain {
-            exploded: profile == "exploded",
-            strict_header: !settings.is_on("dxf_unit"),
+            is_exploded: profile == "exploded",
+            is_strict: !settings.is_on("dxf_unit"),
         },
     }
 }
@@ -59,7 +60,11 @@ pub(super) fn unwritten(name: &str, error: &WriteError) -> Problem {
 }
 
 fn too_large(name: &str, fault: FileFault) -> Problem {
-    Problem::new("The file cannot be written.", format!("{name}: {fault}."), "Choose another format.")
+    Problem::new(
+        "The file cannot be written.",
+        format!("{name}: {fault}."),
+        "Choose another format.",
+    )
 }
 
 /// The side of the texture, pixels.
@@ -82,7 +87,8 @@ pub(in super::super) fn uv_charts(work: &Work) -> Result<Vec<[f64; 2]>, Problem>
             .map(|p| [p.x, p.y])
             .collect();
         points.reverse();
-        let Some(face) = opened.mesh.boundary_loop(outside).find_map(|h| opened.mesh.face(h.twin()))
+        let Some(face) =
+            opened.mesh.boundary_loop(outside).find_map(|h| opened.mesh.face(h.twin()))
         else {
             continue;
         };
@@ -101,8 +107,8 @@ pub(in super::super) fn uv_charts(work: &Work) -> Result<Vec<[f64; 2]>, Problem>
         margin_px: u32::try_from(whole(work.settings.number("uv_margin"))).unwrap_or(8),
         ..UvPackParams::default()
     };
-    let packing = pack_uv(&shapes, &params)
-        .map_err(|error| Problem::solve(&work.document.name, &error))?;
+    let packing =
+        pack_uv(&shapes, &params).map_err(|error| Problem::solve(&work.document.name, &error))?;
     let place = |(v, &patch): (usize, &u32)| {
         packing.apply(patch as usize, [uv[v].x, uv[v].y]).map(|x| x / packing.scale)
     };
@@ -179,8 +185,14 @@ impl Work {
     fn baked(&self, charts: &[[f64; 2]]) -> Result<Vec<u8>, Problem> {
         let layout = self.layout.as_ref().ok_or_else(nothing_open)?;
         let colours = picture::patch_colours(layout, &self.labels());
-        let palette: Vec<[u8; 3]> =
-            colours.iter().map(|&colour| picture::palette(colour)).collect();
+        let palette: Vec<[u8; 3]> = colours
+            .iter()
+            .map(|&colour| {
+                let [_, red, green, blue] =
+                    PALETTE[usize::from(colour) % PALETTE.len()].to_be_bytes();
+                [red, green, blue]
+            })
+            .collect();
         let side = pixels(&self.settings);
         let all = charts.iter().flatten().copied().filter(|x| x.is_finite());
         let extent = all.fold(0.0, f64::max);
@@ -216,10 +228,8 @@ impl Work {
             files.push(self.export(kind)?);
         }
         files.push(self.export("Report (JSON)")?);
-        let entries: Vec<ZipEntry> = files
-            .iter()
-            .map(|file| ZipEntry { name: &file.name, bytes: &file.bytes })
-            .collect();
+        let entries: Vec<ZipEntry> =
+            files.iter().map(|file| ZipEntry { name: &file.name, bytes: &file.bytes }).collect();
         pattern::zip(&entries).map_err(|fault| too_large(&self.document.name, fault))
     }
 }

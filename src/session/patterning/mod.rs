@@ -17,14 +17,11 @@ use crate::methods::flow::{Flow, Status};
 use crate::pattern::{
     AllowanceParams, BlankParams, Blanks, Corner, FlapParams, FlapSide, FoldParams, GrainParams,
     LaidSurface, MarkParams, NestFlow, NestParams, NestPose, NestShape, NotchParams, NotchStyle,
-    PageSize, Pattern, PdfParams, Placed, Rotations, Sheet, SheetParams, Stock, blanks, check,
-    svg, tiles, uprights,
+    PageSize, Pattern, PdfParams, Placed, Rotations, Sheet, SheetParams, Stock, blanks, check, svg,
+    tiles, uprights,
 };
 
-pub(super) use exports::KINDS;
-pub use report::{
-    PageView, PatternPieceReport, PatternReport, PatternSeamReport, PatternView,
-};
+pub use report::{PageView, PatternPieceReport, PatternReport, PatternSeamReport, PatternView};
 pub use specs::specs;
 
 /// Steps of nesting after which a layout rests until somebody asks for more.
@@ -173,7 +170,11 @@ fn nest_params(settings: &Settings) -> NestParams {
             _ => Stock::Free,
         },
         gap_mm: settings.number("gap"),
-        margin_mm: if settings.text("stock") == "free" { 0.0 } else { settings.number("stock_margin") },
+        margin_mm: if settings.text("stock") == "free" {
+            0.0
+        } else {
+            settings.number("stock_margin")
+        },
         rotations: match settings.text("turns") {
             "none" => Rotations::Nap,
             "half" => Rotations::Woven,
@@ -210,7 +211,11 @@ impl Work {
         SheetParams {
             title: base_name(&self.document.name).to_owned(),
             mm_per_model_unit: Some(self.mm_per_unit() * scale),
-            margin_mm: if settings.text("stock") == "free" { settings.number("stock_margin") } else { 10.0 },
+            margin_mm: if settings.text("stock") == "free" {
+                settings.number("stock_margin")
+            } else {
+                10.0
+            },
             piece_labels: settings.is_on("piece_labels"),
             seam_labels: settings.is_on("seam_labels"),
             hints: settings.is_on("hints"),

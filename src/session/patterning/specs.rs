@@ -37,39 +37,85 @@ fn seams() -> Vec<ParamSpec> {
 
 fn marks() -> Vec<ParamSpec> {
     vec![
-        switch(MARKS, "seam_labels", "Seam labels", true,
-            "What each seam is sewn to, beside it: 12 > B is seam 12, sewn to piece B."),
+        switch(
+            MARKS,
+            "seam_labels",
+            "Seam labels",
+            true,
+            "What each seam is sewn to, beside it: 12 > B is seam 12, sewn to piece B.",
+        ),
         switch(MARKS, "piece_labels", "Piece names", true, "Name and number in each piece."),
-        switch(MARKS, "marks", "Inner marks", true,
-            "Tips of darts, ends of seams, and places where three or more pieces meet."),
-        switch(MARKS, "hints", "Hints", false,
-            "How much each piece has to stretch, and how tightly it is bent."),
-        choice(MARKS, "grain", "Grain line",
+        switch(
+            MARKS,
+            "marks",
+            "Inner marks",
+            true,
+            "Tips of darts, ends of seams, and places where three or more pieces meet.",
+        ),
+        switch(
+            MARKS,
+            "hints",
+            "Hints",
+            false,
+            "How much each piece has to stretch, and how tightly it is bent.",
+        ),
+        choice(
+            MARKS,
+            "grain",
+            "Grain line",
             &[("none", "None"), ("both", "Either way"), ("nap", "One way (nap)")],
-            "Along the grain of the material, from the lower to the upper side of the sheet."),
+            "Along the grain of the material, from the lower to the upper side of the sheet.",
+        ),
     ]
 }
 
 fn paper() -> Vec<ParamSpec> {
     vec![
-        switch(PAPER, "folds", "Fold lines", false,
-            "Where the surface turns by more than the angle below: mountains dash-dotted, valleys dashed."),
-        number("fold_angle", "Least angle", "", "°", [1.0, 90.0, 1.0], 5.0,
-            "Flatter folds are left out.")
-            .group(PAPER).only_if("folds", &["true"]),
-        choice(PAPER, "flaps", "Glue flaps",
+        switch(
+            PAPER,
+            "folds",
+            "Fold lines",
+            false,
+            "Where the surface turns by more than the angle below: mountains dash-dotted, valleys dashed.",
+        ),
+        number(
+            "fold_angle",
+            "Least angle",
+            "",
+            "°",
+            [1.0, 90.0, 1.0],
+            5.0,
+            "Flatter folds are left out.",
+        )
+        .group(PAPER)
+        .only_if("folds", &["true"]),
+        choice(
+            PAPER,
+            "flaps",
+            "Glue flaps",
             &[
                 ("none", "None"),
                 ("alternate", "Alternating"),
                 ("smaller", "On the smaller piece"),
                 ("both", "On both sides"),
             ],
-            "Flaps on one of the two sides of each seam, narrow enough to lie under the other."),
+            "Flaps on one of the two sides of each seam, narrow enough to lie under the other.",
+        ),
         number("flap_depth", "Flap depth", "", "mm", [1.0, 50.0, 0.5], 8.0, "How far flaps reach.")
-            .group(PAPER).only_if("flaps", &["alternate", "smaller", "both"]),
-        number("flap_angle", "Flap angle", "", "°", [20.0, 80.0, 1.0], 50.0,
-            "Between the base of a flap and its ends; smaller where there is no room.")
-            .group(PAPER).advanced().only_if("flaps", &["alternate", "smaller", "both"]),
+            .group(PAPER)
+            .only_if("flaps", &["alternate", "smaller", "both"]),
+        number(
+            "flap_angle",
+            "Flap angle",
+            "",
+            "°",
+            [20.0, 80.0, 1.0],
+            50.0,
+            "Between the base of a flap and its ends; smaller where there is no room.",
+        )
+        .group(PAPER)
+        .advanced()
+        .only_if("flaps", &["alternate", "smaller", "both"]),
     ]
 }
 
@@ -93,25 +139,61 @@ fn pieces() -> Vec<ParamSpec> {
 
 fn sheet() -> Vec<ParamSpec> {
     vec![
-        choice(SHEET, "stock", "Material",
+        choice(
+            SHEET,
+            "stock",
+            "Material",
             &[("free", "No limit"), ("roll", "Roll"), ("sheet", "Sheets")],
-            "What pieces are cut from: they are nested on a roll as short as possible, or on as few sheets as possible."),
-        number("stock_width", "Width", "", "mm", [10.0, 20000.0, 1.0], 1400.0, "Of the roll, or of a sheet.")
-            .group(SHEET).logarithmic().only_if("stock", &["roll", "sheet"]),
+            "What pieces are cut from: they are nested on a roll as short as possible, or on as few sheets as possible.",
+        ),
+        number(
+            "stock_width",
+            "Width",
+            "",
+            "mm",
+            [10.0, 20000.0, 1.0],
+            1400.0,
+            "Of the roll, or of a sheet.",
+        )
+        .group(SHEET)
+        .logarithmic()
+        .only_if("stock", &["roll", "sheet"]),
         number("stock_height", "Height", "", "mm", [10.0, 20000.0, 1.0], 1000.0, "Of a sheet.")
-            .group(SHEET).logarithmic().only_if("stock", &["sheet"]),
-        number("gap", "Gap", "", "mm", [0.0, 100.0, 0.5], 5.0, "Least distance between two pieces.")
-            .group(SHEET),
-        number("stock_margin", "Margin", "", "mm", [0.0, 200.0, 1.0], 10.0, "Free space at the edges of the sheet.")
-            .group(SHEET),
-        choice(SHEET, "turns", "Pieces may be turned",
+            .group(SHEET)
+            .logarithmic()
+            .only_if("stock", &["sheet"]),
+        number(
+            "gap",
+            "Gap",
+            "",
+            "mm",
+            [0.0, 100.0, 0.5],
+            5.0,
+            "Least distance between two pieces.",
+        )
+        .group(SHEET),
+        number(
+            "stock_margin",
+            "Margin",
+            "",
+            "mm",
+            [0.0, 200.0, 1.0],
+            10.0,
+            "Free space at the edges of the sheet.",
+        )
+        .group(SHEET),
+        choice(
+            SHEET,
+            "turns",
+            "Pieces may be turned",
             &[
                 ("free", "Freely"),
                 ("quarter", "By quarters"),
                 ("half", "By half a turn (woven)"),
                 ("none", "Not at all (nap)"),
             ],
-            "What the grain of the material allows."),
+            "What the grain of the material allows.",
+        ),
     ]
 }
 
@@ -165,60 +247,90 @@ pub fn trades() -> Vec<Trade> {
     let on = Value::Truth(true);
     vec![
         ("plain", "Outlines", "Outlines and names only", vec![]),
-        ("plush", "Plush", "6 mm, outward notches, pile one way", vec![
-            ("allowance", number(6.0)),
-            ("notches", text("v")),
-            ("notch_spacing", number(40.0)),
-            ("grain", text("nap")),
-            ("turns", text("none")),
-            ("outlines", text("smooth")),
-        ]),
-        ("garment", "Garment", "10 mm, slits, woven cloth", vec![
-            ("allowance", number(10.0)),
-            ("notches", text("slit")),
-            ("notch_spacing", number(80.0)),
-            ("grain", text("both")),
-            ("turns", text("half")),
-            ("outlines", text("smooth")),
-            ("stock", text("roll")),
-        ]),
-        ("upholstery", "Upholstery", "13 mm, V notches, roll", vec![
-            ("allowance", number(13.0)),
-            ("notches", text("v")),
-            ("notch_spacing", number(80.0)),
-            ("grain", text("both")),
-            ("turns", text("half")),
-            ("outlines", text("smooth")),
-            ("stock", text("roll")),
-        ]),
-        ("leather", "Leather", "5 mm, no slits", vec![
-            ("allowance", number(5.0)),
-            ("notches", text("t")),
-            ("notch_spacing", number(60.0)),
-            ("outlines", text("smooth")),
-            ("gap", number(3.0)),
-        ]),
-        ("paper", "Paper model", "Folds and glue flaps on A4", vec![
-            ("folds", on.clone()),
-            ("flaps", text("alternate")),
-            ("marks", Value::Truth(false)),
-            ("turns", text("free")),
-            ("gap", number(4.0)),
-            ("stock", text("sheet")),
-            ("stock_width", number(190.0)),
-            ("stock_height", number(277.0)),
-            ("stock_margin", number(0.0)),
-            ("page_overlap", number(0.0)),
-        ]),
-        ("sheet_metal", "Sheet metal", "Cut and bend lines, sheets of 2 × 1 m", vec![
-            ("folds", on),
-            ("outlines", text("smooth")),
-            ("curve_tolerance", number(0.05)),
-            ("svg_profile", text("laser")),
-            ("stock", text("sheet")),
-            ("stock_width", number(2000.0)),
-            ("stock_height", number(1000.0)),
-            ("turns", text("free")),
-        ]),
+        (
+            "plush",
+            "Plush",
+            "6 mm, outward notches, pile one way",
+            vec![
+                ("allowance", number(6.0)),
+                ("notches", text("v")),
+                ("notch_spacing", number(40.0)),
+                ("grain", text("nap")),
+                ("turns", text("none")),
+                ("outlines", text("smooth")),
+            ],
+        ),
+        (
+            "garment",
+            "Garment",
+            "10 mm, slits, woven cloth",
+            vec![
+                ("allowance", number(10.0)),
+                ("notches", text("slit")),
+                ("notch_spacing", number(80.0)),
+                ("grain", text("both")),
+                ("turns", text("half")),
+                ("outlines", text("smooth")),
+                ("stock", text("roll")),
+            ],
+        ),
+        (
+            "upholstery",
+            "Upholstery",
+            "13 mm, V notches, roll",
+            vec![
+                ("allowance", number(13.0)),
+                ("notches", text("v")),
+                ("notch_spacing", number(80.0)),
+                ("grain", text("both")),
+                ("turns", text("half")),
+                ("outlines", text("smooth")),
+                ("stock", text("roll")),
+            ],
+        ),
+        (
+            "leather",
+            "Leather",
+            "5 mm, no slits",
+            vec![
+                ("allowance", number(5.0)),
+                ("notches", text("t")),
+                ("notch_spacing", number(60.0)),
+                ("outlines", text("smooth")),
+                ("gap", number(3.0)),
+            ],
+        ),
+        (
+            "paper",
+            "Paper model",
+            "Folds and glue flaps on A4",
+            vec![
+                ("folds", on.clone()),
+                ("flaps", text("alternate")),
+                ("marks", Value::Truth(false)),
+                ("turns", text("free")),
+                ("gap", number(4.0)),
+                ("stock", text("sheet")),
+                ("stock_width", number(190.0)),
+                ("stock_height", number(277.0)),
+                ("stock_margin", number(0.0)),
+                ("page_overlap", number(0.0)),
+            ],
+        ),
+        (
+            "sheet_metal",
+            "Sheet metal",
+            "Cut and bend lines, sheets of 2 × 1 m",
+            vec![
+                ("folds", on),
+                ("outlines", text("smooth")),
+                ("curve_tolerance", number(0.05)),
+                ("svg_profile", text("laser")),
+                ("stock", text("sheet")),
+                ("stock_width", number(2000.0)),
+                ("stock_height", number(1000.0)),
+                ("turns", text("free")),
+            ],
+        ),
     ]
 }
