@@ -11,13 +11,13 @@
 //! [`Notice`]. Not guaranteed: that outlines do not overlap on the sheet (layout comes from the caller); that the two sides of a
 //! seam are equally long in the plane (both lengths are at hand; the difference is the ease).
 
-mod allowance;
+pub mod allowance;
 mod atlas_image;
 mod attributes;
 mod blank;
 mod bytes;
 mod check;
-mod curve;
+pub mod curve;
 mod drawn;
 mod dxf;
 mod flaps;
@@ -33,7 +33,8 @@ mod labels;
 mod laid;
 mod marks;
 mod moved;
-mod notches;
+mod nesting;
+pub mod notches;
 mod number;
 mod obj;
 mod piece;
@@ -68,6 +69,10 @@ pub use json::cut_json;
 pub use kerf::kerf;
 pub use laid::LaidSurface;
 pub use marks::{Dart, Mark, MarkKind, MarkParams, darts, marks};
+pub use nesting::{
+    CHECK_TOLERANCE_MM, NestFault, NestFlow, NestNotice, NestParams, NestPose, NestShape,
+    NestState, Rotations, Stock, UvPackParams, UvPacking, pack_uv,
+};
 pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
 pub use ply::uv_ply;

@@ -502,6 +502,13 @@ impl Session {
         self.settled()?.layout.as_ref().ok_or_else(nothing_open)
     }
 
+    /// Lays out the very cut of a `cut.json`, without making it the start of a flow: what a pattern of it is made of.
+    pub fn lay_out_cut(&mut self, name: &str, bytes: &[u8]) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        let cut = cut_from_json(work.document.surface()?, name, bytes)?;
+        work.lay_out(cut)
+    }
+
     /// The work with a cut that is flattened whole.
     fn settled(&mut self) -> Result<&mut Work, Problem> {
         if self.first_cut_is_due() {

@@ -11,7 +11,7 @@ use super::cones::ConeSet;
 use super::layout::{Layout, rim_halfedges};
 use super::message::Choice;
 use super::method::Method;
-use super::scene::{FieldScene, PatchScene, Scene};
+use super::scene::{FieldScene, PALETTE, PatchScene, Scene};
 use super::surface::{Surface, face_to_vertex};
 use crate::mesh::{FaceId, OpenedMesh, SurfacePoint, VertexId};
 

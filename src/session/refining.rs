@@ -71,10 +71,11 @@ impl Refinement {
     }
 
     /// All steps that are left, after a pause too; the layout follows once.
-    pub fn finish(&mut self, surface: &Surface, layout: &mut Layout) {
+    /// **Gives** whether there were any.
+    pub fn finish(&mut self, surface: &Surface, layout: &mut Layout) -> bool {
         self.is_running = self.flow.status() == Status::Running && self.flow.steps() < STEPS;
         if !self.is_running {
-            return;
+            return false;
         }
         while self.is_running {
             if let Err(error) = self.advance() {
@@ -82,6 +83,7 @@ impl Refinement {
             }
         }
         self.show(surface, layout);
+        true
     }
 
     fn advance(&mut self) -> Result<(), SolveError> {

@@ -407,6 +407,17 @@ impl Work {
         Ok(())
     }
 
+    /// Flattens a cut as it is.
+    pub fn lay_out(&mut self, cut: CutMesh) -> Result<(), Problem> {
+        let surface = self.document.surface()?;
+        let layout = Layout::full(surface, cut, &Charting::of(&self.settings), None)
+            .map_err(|error| error.problem(&surface.name))?;
+        self.put_layout(layout);
+        self.is_settled = true;
+        self.begin_refinement();
+        Ok(())
+    }
+
     /// Millimetres per √area.
     pub fn mm_per_unit(&self) -> f64 {
         let unit = self.document.surface.as_ref().map_or(1.0, |s| s.frame.scale);

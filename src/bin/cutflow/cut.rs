@@ -296,7 +296,7 @@ fn bring(session: &mut Session, args: &CutArgs) -> Result<(), Problem> {
 /// Whether a command line asks for the list of parameters: that needs no mesh, which the parser would insist on.
 pub fn asks_for_parameters(words: &[String]) -> Option<Method> {
     let method = match words.first()?.as_str() {
-        "cut" => Method::CutFlow,
+        "cut" | "pattern" => Method::CutFlow,
         "cones" => Method::Cones,
         "phasefield" => Method::PhaseField,
         "develop" => Method::Developable,

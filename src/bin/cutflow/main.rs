@@ -21,6 +21,7 @@ macro_rules! say {
 mod compare;
 mod cones;
 mod cut;
+mod pattern;
 mod segment;
 
 /// Computes where to cut a curved surface so that its pieces flatten with little distortion.
@@ -65,6 +66,10 @@ enum Task {
     Develop(Box<segment::DevelopArgs>),
     /// Flattens a mesh along a cut and measures the result.
     Flatten(FlattenArgs),
+    /// Writes a pattern at real size, or the surface with its UV map.
+    Pattern(Box<pattern::PatternArgs>),
+    /// Does again what a project holds.
+    Run(pattern::RunArgs),
     /// Flattens by several methods, and shows what each is worth and how long it takes.
     Compare(compare::CompareArgs),
 }
@@ -218,6 +223,8 @@ fn main() -> ExitCode {
         Task::Develop(args) => segment::develop(&args),
         Task::Flatten(args) => flatten(&args),
         Task::Compare(args) => compare::run(&args),
+        Task::Pattern(args) => pattern::pattern(&args),
+        Task::Run(args) => pattern::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -248,6 +255,12 @@ fn misunderstood(error: &clap::Error) -> Problem {
 /// Whether there is a place for what a task writes: found out before the work is done.
 fn can_write(task: &Task) -> Result<(), Problem> {
     let (output, (new_folder, report)) = match task {
+        Task::Pattern(args) => {
+            let (files, report) = args.outputs();
+            let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+            return folders_exist(&files, None, report);
+        }
+        Task::Run(args) => (None, args.outputs()),
         Task::Info { report, .. } => (None, (None, report)),
         Task::Repair { output, report, .. } => (Some(output.as_path()), (None, report)),
         Task::Prepare(args) => (Some(args.output.as_path()), (None, &args.report)),
@@ -258,8 +271,16 @@ fn can_write(task: &Task) -> Result<(), Problem> {
         Task::Phasefield(args) => (None, args.outputs()),
         Task::Develop(args) => (None, args.outputs()),
     };
+    folders_exist(output.as_slice(), new_folder, report)
+}
+
+fn folders_exist(
+    outputs: &[&Path],
+    new_folder: Option<&Path>,
+    report: &Report,
+) -> Result<(), Problem> {
     let report = report.json.as_deref().filter(|path| *path != Path::new("-"));
-    for path in output.into_iter().chain(report) {
+    for path in outputs.iter().copied().chain(report) {
         let folder = path.parent().filter(|folder| *folder != Path::new(""));
         if folder.is_some_and(|folder| !folder.is_dir() && Some(folder) != new_folder) {
             return Err(Problem::new(

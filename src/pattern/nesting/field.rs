@@ -63,8 +63,7 @@ impl Field {
                 let d = corners[at];
                 if d > exact[0] - diagonal && d < exact[1] + diagonal {
                     let centre = place(i, j, 0.5);
-                    let distances =
-                        all.iter().map(|s| squared_distance(centre, s.ends).sqrt());
+                    let distances = all.iter().map(|s| squared_distance(centre, s.ends).sqrt());
                     let nearest = distances.clone().fold(f64::INFINITY, f64::min);
                     let within = distances.zip(0..).filter(|(d, _)| *d <= nearest + diagonal);
                     lists.extend(within.map(|(_, k)| k));
@@ -177,7 +176,11 @@ fn outer_sides(outlines: &[Vec<[f64; 2]>]) -> Vec<Side> {
             // Where an outline turns back on itself both sides of its tip are outside.
             let sum = |s: [f64; 2], t: [f64; 2]| {
                 let sum = [s[0] + t[0], s[1] + t[1]];
-                if dot(sum, sum) > 1e-20 { sum } else { [-s[1], s[0]].map(|x| x * cross(s, t).signum()) }
+                if dot(sum, sum) > 1e-20 {
+                    sum
+                } else {
+                    [-s[1], s[0]].map(|x| x * cross(s, t).signum())
+                }
             };
             let out = [own, sum(before, own), sum(own, after)];
             all.push(Side { ends: proper[k], out });

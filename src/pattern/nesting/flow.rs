@@ -178,8 +178,7 @@ impl NestFlow {
             let points = self.shapes[shape].outlines.iter().flatten();
             let Bounds { low, .. } = Bounds::around(points.map(|&p| turn.apply(p)));
             let shift = low.map(|x| self.room.margin - x);
-            poses[shape] =
-                NestPose { angle, shift, is_mirrored: false, sheet, is_too_large: true };
+            poses[shape] = NestPose { angle, shift, is_mirrored: false, sheet, is_too_large: true };
             notices.push(NestNotice::TooLarge { shape });
         }
         notices.sort_by_key(|notice| match *notice {
@@ -254,9 +253,10 @@ impl NestFlow {
         if width.is_finite() {
             return vec![width];
         }
-        let widest = self.parts.iter().map(|part| {
-            part.fits.iter().map(|fit| fit.size()[0]).fold(f64::INFINITY, f64::min)
-        });
+        let widest = self
+            .parts
+            .iter()
+            .map(|part| part.fits.iter().map(|fit| fit.size()[0]).fold(f64::INFINITY, f64::min));
         let widest = widest.fold(0.0, f64::max);
         let least = (self.least_cost - 2.0 * self.room.margin).max(widest);
         [1.05, 1.12, 1.2, 1.3].map(|part| least * part).into_iter().chain([widest]).collect()

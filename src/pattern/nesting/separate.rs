@@ -220,8 +220,8 @@ impl Separation {
             if j != i {
                 let weight = self.weights[pair(i, j)];
                 let rest = (most - sum) / weight;
-                sum += weight
-                    * self.overlap([&probes[i], &probes[j]], [spot, other], rest, &mut work);
+                sum +=
+                    weight * self.overlap([&probes[i], &probes[j]], [spot, other], rest, &mut work);
                 if sum > most {
                     break;
                 }
@@ -425,8 +425,8 @@ impl Separation {
         };
         let turns = [ease(0), ease(1)];
         // A little further than needed, so that rounding leaves nothing.
-        let push = (1.02 * depth + 2.0 * self.touch)
-            / (2.0 + turns[0] * levers[0] + turns[1] * levers[1]);
+        let push =
+            (1.02 * depth + 2.0 * self.touch) / (2.0 + turns[0] * levers[0] + turns[1] * levers[1]);
         for (k, sign) in [(0, 1.0), (1, -1.0)] {
             let body = bodies[k];
             let mut spot = self.spots[body];

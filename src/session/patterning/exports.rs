@@ -204,7 +204,7 @@ impl Work {
             padding: u32::try_from(whole(self.settings.number("uv_margin")) / 2).unwrap_or(4),
         };
         let pixels = pattern::atlas_image(&layout.opened, charts, &params);
-        pattern::png([side; 2], Channels::Rgb, &pixels)
+        pattern::png([side; 2], Channels::Rgb, &pixels, None)
             .map_err(|fault| too_large(&self.document.name, fault))
     }
 

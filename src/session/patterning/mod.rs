@@ -14,11 +14,12 @@ use super::text::Problem;
 use super::work::{Work, base_name};
 use super::{Session, nothing_open};
 use crate::methods::flow::{Flow, Status};
+use crate::pattern::allowance::{AllowanceParams, Corner};
+use crate::pattern::notches::{NotchParams, NotchStyle};
 use crate::pattern::{
-    AllowanceParams, BlankParams, Blanks, Corner, FlapParams, FlapSide, FoldParams, GrainParams,
-    LaidSurface, MarkParams, NestFlow, NestParams, NestPose, NestShape, NotchParams, NotchStyle,
-    PageSize, Pattern, PdfParams, Placed, Rotations, Sheet, SheetParams, Stock, blanks, check, svg,
-    tiles, uprights,
+    BlankParams, Blanks, FlapParams, FlapSide, FoldParams, GrainParams, LaidSurface, MarkParams,
+    NestFlow, NestNotice, NestParams, NestPose, NestShape, PageSize, Pattern, PdfParams, Placed,
+    Rotations, Sheet, SheetParams, Stock, blanks, check, svg, tiles, uprights,
 };
 
 pub use report::{PageView, PatternPieceReport, PatternReport, PatternSeamReport, PatternView};
@@ -101,6 +102,22 @@ impl Patterning {
             .map(|(&(blank, copy, is_mirrored), &pose)| Placed { blank, copy, is_mirrored, pose })
             .collect();
         Sheet::new(&self.blanks.pieces, &placed, &self.stock(), params)
+    }
+
+    /// What nesting has to tell, by the name of the piece.
+    fn told(&self, notice: &NestNotice) -> String {
+        let name = |shape: usize| &self.blanks.pieces[self.placed[shape].0].piece.name;
+        match *notice {
+            NestNotice::TooLarge { shape } => {
+                format!("piece {} is larger than the material; it lies beside it", name(shape))
+            }
+            NestNotice::NoRoom { shape } => {
+                format!("the sheets are full: piece {} needs a further one", name(shape))
+            }
+            NestNotice::NoOutline { shape } => {
+                format!("piece {} is not laid: nothing of it is left to be cut", name(shape))
+            }
+        }
     }
 
     /// Sizes of the sheets that pieces lie on.
@@ -256,7 +273,7 @@ impl Work {
         let made = self.pattern()?;
         let mut notices = made.notices.clone();
         let state = made.nest.state();
-        notices.extend(state.notices.iter().map(|notice| made.nest_notice(notice)));
+        notices.extend(state.notices.iter().map(|notice| made.told(notice)));
         if let Ok(told) = check(&sheet) {
             notices.extend(told.iter().map(ToString::to_string));
         }
