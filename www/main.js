@@ -18,6 +18,7 @@ import { measuresPanel } from "./panels/measures.js";
 import { meshLine } from "./panels/mesh.js";
 import { meshSection } from "./panels/mesh-section.js";
 import { parametersPanel } from "./panels/parameters.js";
+import { patternPanel } from "./panels/pattern.js";
 import { piecesPanel } from "./panels/pieces.js";
 import { energyPlot } from "./panels/plot.js";
 import { presetsPanel } from "./panels/presets.js";
@@ -181,7 +182,20 @@ const meshPanel = meshSection(byId("mesh-section"), {
   prepare: (tool, values) => client.command({ type: "prepare", tool, values }),
 });
 const empty = emptyState({ openMesh: openMeshSection, repairAll, toPieces, cut: firstCut, solve: () => onCut({ type: "run" }) });
-const exports = exportMenu(save);
+const workshop = patternPanel(
+  {
+    show: (isShown) => waits.answer("Making the pattern", "The pattern was cancelled.", () => client.command({ type: "show_pattern", is_shown: isShown })),
+    change: (id, value) => client.setParameter(id, value),
+    trade: (id) => client.command({ type: "apply_trade", id }),
+    nest: () => client.command({ type: "nest" }),
+    pause: () => client.command({ type: "pause" }),
+    allowance: (seam, mm) => client.command({ type: "set_seam_allowance", seam, mm }),
+    save,
+    setUnit: (id) => client.command({ type: "set_unit", id }),
+    setSize: (axis, value) => client.command({ type: "set_size", axis, value }),
+  },
+);
+const exports = exportMenu(save, () => workshop.open());
 const [surfaceView, flatView] = [document.querySelector(".view.surface"), document.querySelector(".view.flat")];
 const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"));
 const legend = legends(surfaceView.querySelector(".legend"), flatView.querySelector(".said"));
@@ -270,6 +284,7 @@ const handlers = {
     document.title = `Cutflow – ${event.name}`;
     brush.drop();
     fold.clear();
+    workshop.clear();
     danger.show([], []);
     mesh.show(event);
     meshPanel.show(event);
@@ -292,6 +307,7 @@ const handlers = {
   },
   size(event) {
     meshPanel.size(event);
+    workshop.size(event);
     now.unit = event.display_unit;
     showPattern();
   },
@@ -302,7 +318,10 @@ const handlers = {
     now.opened[event.method] ??= event.values;
     cones.specs(event.specs);
     parameters.show(event);
+    workshop.parameters(event);
   },
+  trades: (event) => workshop.trades(event),
+  pattern: (event) => workshop.show(event),
   presets: (event) => presets.show(event),
   paint_channels(event) {
     brush.offer(event);

@@ -104,6 +104,7 @@ pub fn blanks(surface: &LaidSurface, pattern: &Pattern, params: &BlankParams) ->
     let marks_of = params.marks.as_ref().map(|asked| marks(surface, pattern, asked));
     let notch_plan = params.notches.as_ref().map(|asked| plan(pattern, asked));
     let notch_plan = notch_plan.unwrap_or_default();
+    notices.extend(notch_plan.notices.iter().map(ToString::to_string));
     let told = hints(surface, pattern, &HintParams::default());
     let mut pieces = Vec::new();
     for (index, (piece, hints)) in pattern.pieces.iter().zip(told.pieces).enumerate() {
@@ -156,13 +157,15 @@ impl Maker<'_> {
             let cut = cut_lines(piece, &widths, &self.params.allowance);
             if widths.iter().flatten().any(|&width| width > 0.0) {
                 self.sewing_lines(&widths);
-                self.lines.extend(draw_darts(piece, &darts(piece, &widths)));
+                let legs = draw_darts(0, piece, &darts(piece, &widths));
+                // Tips are among the marks.
+                self.take(legs.into_iter().filter(|line| line.layer == Layer::Internal));
             }
             cut
         };
         if let Some(params) = &self.params.notches {
-            self.lines.extend(draw(piece, notches, &cut, params));
-            cut = with_outward(piece, notches, cut, params);
+            self.take(draw(0, piece, notches, &cut, params));
+            cut = with_outward(piece, notches, &cut, params);
         }
         self.notices.extend(cut.notices.iter().map(ToString::to_string));
         let mut outlines = cut.outlines;
@@ -266,6 +269,16 @@ impl Maker<'_> {
                 words.push(Word { id, seam: None, at, height, text });
             }
         }
+    }
+
+    /// Takes lines that carry the name of the piece.
+    fn take(&mut self, lines: impl IntoIterator<Item = Line>) {
+        let name = format!("{}-", self.piece.name);
+        self.lines.extend(lines.into_iter().map(|line| Line {
+            id: line.id.strip_prefix(&name).unwrap_or(&line.id).to_owned(),
+            piece: None,
+            ..line
+        }));
     }
 
     fn push(

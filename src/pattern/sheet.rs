@@ -287,7 +287,7 @@ impl Sheet {
                 lines.push(("larger than the material".to_owned(), "large"));
             }
             if params.hints {
-                lines.push((blank.hints.sentence(), "hint"));
+                lines.push((blank.hints.to_string(), "hint"));
             }
             let words: Vec<String> = lines.iter().map(|(line, _)| line.clone()).collect();
             let places = labels.place_name(&words);

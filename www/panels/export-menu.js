@@ -14,10 +14,10 @@ export function download(name, blob) {
 }
 
 /** What there is without a cut. */
-const CUTLESS = ["Mesh (OBJ)", "Surface picture (PNG)"];
+const CUTLESS = ["Mesh (OBJ)", "Surface picture (PNG)", "Project (JSON)"];
 
-/** `save(kind)` is called with the item's text. */
-export function exportMenu(save) {
+/** `save(kind)` is called with the item's text, `pattern()` for the workshop of patterns. */
+export function exportMenu(save, pattern) {
   const button = byId("export");
   const menu = byId("export-menu");
   const items = [...menu.querySelectorAll("[role=menuitem]")];
@@ -28,7 +28,8 @@ export function exportMenu(save) {
     if (!item) return;
     show(false);
     button.focus();
-    save(item.textContent);
+    if (item.dataset.opens) pattern();
+    else save(item.textContent);
   });
   menu.addEventListener("keydown", (event) => {
     if (event.key === "Tab") show(false);

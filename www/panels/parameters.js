@@ -111,9 +111,9 @@ function isDefault({ default: usual }, value) {
 /**
  * The panel. `change(id, value)` is called while a slider moves; `extras` are nodes that belong to a group, by its name,
  * whether or not the engine has parameters for that group; `companions` are nodes that stand before a parameter's row, by
- * its identifier.
+ * its identifier; `belongs(group)` says which groups are shown, `title(group)` what they are called.
  */
-export function parametersPanel(host, change, extras = {}, companions = {}) {
+export function parametersPanel(host, change, extras = {}, companions = {}, belongs = (group) => group !== SIZE && !group.includes(": "), title = (group) => group) {
   let specs = [];
   let fingerprint = "";
   let rows = new Map();
@@ -122,7 +122,7 @@ export function parametersPanel(host, change, extras = {}, companions = {}) {
   function section(name, isOpen, ...content) {
     const key = `group.${name}`;
     const counter = h("span");
-    const summary = h("summary", {}, name, icon("down"), counter);
+    const summary = h("summary", {}, title(name), icon("down"), counter);
     const kept = recall(key);
     const node = h("details", { class: "group", open: kept === null ? isOpen : kept === "open" }, summary, ...content);
     // Only what a person does is remembered.
@@ -131,7 +131,7 @@ export function parametersPanel(host, change, extras = {}, companions = {}) {
   }
 
   function build() {
-    const shown = specs.filter(({ group }) => group !== SIZE);
+    const shown = specs.filter(({ group }) => belongs(group));
     rows = new Map();
     for (const spec of shown) {
       const set = (value) => change(spec.id, value);
@@ -146,12 +146,12 @@ export function parametersPanel(host, change, extras = {}, companions = {}) {
     groups.delete(ADVANCED);
     sections = [...groups].map(([name, entries], i) => {
       const content = entries.flatMap(({ spec, row }) => [companions[spec.id] ?? null, row]);
-      const set = h("fieldset", { "aria-label": name }, ...content, extras[name] ?? null);
+      const set = h("fieldset", { "aria-label": title(name) }, ...content, extras[name] ?? null);
       return { ...section(name, i < OPEN, set), entries, extra: extras[name] };
     });
     if (advanced.length > 0) {
       const parts = [...grouped(advanced, (spec) => spec.group)].map(([name, entries]) =>
-        h("fieldset", { "aria-label": name }, h("legend", { class: "sub" }, name), ...entries.map(({ row }) => row)),
+        h("fieldset", { "aria-label": title(name) }, h("legend", { class: "sub" }, title(name)), ...entries.map(({ row }) => row)),
       );
       sections.push({ ...section(ADVANCED, false, ...parts), entries: advanced });
     }

@@ -17,25 +17,26 @@ use crate::methods::flow::{Flow, Status};
 use crate::pattern::allowance::{AllowanceParams, Corner};
 use crate::pattern::notches::{NotchParams, NotchStyle};
 use crate::pattern::{
-    BlankParams, Blanks, FlapParams, FlapSide, FoldParams, GrainParams, LaidSurface, MarkParams,
-    NestFlow, NestNotice, NestParams, NestPose, NestShape, PageSize, Pattern, PdfParams, Placed,
-    Rotations, Sheet, SheetParams, Stock, blanks, check, svg, tiles, uprights,
+    BlankParams, Blanks, Bounds, FlapParams, FlapSide, FoldParams, GrainParams, LaidSurface,
+    MarkParams, NestFlow, NestNotice, NestParams, NestPose, NestShape, PageSize, Pattern,
+    PdfParams, Placed, Rotations, Sheet, SheetParams, Stock, blanks, check, svg, tiles, uprights,
 };
 
 pub use report::{PageView, PatternPieceReport, PatternReport, PatternSeamReport, PatternView};
 pub use specs::specs;
 
-/// Steps of nesting after which a layout rests until somebody asks for more.
+/// Steps of nesting that are made when somebody asks for them.
 const NESTING_STEPS: usize = 400;
 /// Sheets of stock that there are: as many as it takes.
 const MOST_SHEETS: usize = 1000;
 
 /// A pattern made of a layout.
 pub(super) struct Patterning {
-    pattern: Pattern,
     blanks: Blanks,
     placed: Vec<(usize, [usize; 2], bool)>,
     nest: NestFlow,
+    /// Steps of nesting made, and how many are allowed.
+    steps: [usize; 2],
     notices: Vec<String>,
     /// Whether a better layout is being looked for.
     is_nesting: bool,
@@ -89,7 +90,7 @@ impl Patterning {
         let wrong = |error| Problem::solve(&surface.name, &error);
         let mut nest = NestFlow::new(&shapes, &nest_params(settings)).map_err(wrong)?;
         nest.step().map_err(wrong)?;
-        Ok(Self { pattern, blanks, placed, nest, notices, is_nesting: false })
+        Ok(Self { blanks, placed, nest, steps: [1, 1], notices, is_nesting: false })
     }
 
     /// The sheet as it is now.
@@ -122,7 +123,23 @@ impl Patterning {
 
     /// Sizes of the sheets that pieces lie on.
     fn stock(&self) -> Vec<[f64; 2]> {
-        self.nest.stock_mm()
+        let state = self.nest.state();
+        let params = self.nest.params();
+        let mut sizes = match params.stock {
+            Stock::Free => return Vec::new(),
+            Stock::Roll { width_mm } => vec![[width_mm, state.used_mm[1]]; state.sheets],
+            Stock::Sheet { width_mm, height_mm, .. } => vec![[width_mm, height_mm]; state.sheets],
+        };
+        // What is too large stands beside them, on as much as it needs.
+        for (&(blank, _, is_mirrored), pose) in self.placed.iter().zip(&state.poses) {
+            if pose.is_too_large {
+                let moved = self.blanks.pieces[blank].moved(&NestPose { is_mirrored, ..*pose });
+                let bounds = Bounds::around(moved.cut.iter().flatten().copied());
+                sizes.resize(sizes.len().max(pose.sheet + 1), [0.0; 2]);
+                sizes[pose.sheet] = bounds.high.map(|x| x + params.margin_mm);
+            }
+        }
+        sizes
     }
 }
 
@@ -198,7 +215,8 @@ fn nest_params(settings: &Settings) -> NestParams {
             "quarter" => Rotations::Cross,
             _ => Rotations::Free,
         },
-        step_limit: NESTING_STEPS,
+        // The session counts: whoever asks again gets as many again.
+        step_limit: usize::MAX,
         ..NestParams::default()
     }
 }
@@ -282,30 +300,36 @@ impl Work {
             made.placed.iter().filter(|(blank, _, m)| *blank == index && *m == mirrored).count()
         };
         let pieces = made.blanks.pieces.iter().enumerate().map(|(index, blank)| {
-            let bounds = crate::pattern::Bounds::around(blank.cut.iter().flatten().copied());
+            let bounds = Bounds::around(blank.cut.iter().flatten().copied());
             PatternPieceReport {
                 name: blank.piece.name.clone(),
                 patch: blank.piece.patch,
                 size_mm: [0, 1].map(|a| bounds.high[a] - bounds.low[a]),
                 area_mm2: blank.piece.area_mm2,
                 copies: [counts(index, false), counts(index, true)],
-                hint: blank.hints.sentence(),
+                hint: blank.hints.to_string(),
             }
         });
+        let notches = |number: usize| {
+            let mut seams = made.blanks.notches.seams.iter();
+            let found = seams.find(|seam| seam.number == number);
+            let groups = found.iter().flat_map(|seam| &seam.groups);
+            groups.map(|group| (group.arc_mm, group.count)).collect()
+        };
         let seams = made.blanks.seams.iter().map(|seam| PatternSeamReport {
             number: seam.number,
             pieces: seam.patches.map(name),
             length_mm: seam.surface_length_mm,
             flat_mm: seam.lengths_mm,
             allowance_mm: *params.seam_allowances.get(&seam.number).unwrap_or(&params.allowance_mm),
-            notches: made.blanks.notches.marks(seam.number).to_vec(),
+            notches: notches(seam.number),
         });
         Ok(PatternReport {
             sheet_mm: sheet.size,
             sheets: state.sheets,
             utilisation: state.utilisation,
             roll_length_mm: if is_roll { state.used_mm[1] } else { 0.0 },
-            nesting_steps: made.nest.steps(),
+            nesting_steps: made.steps[0],
             pieces: pieces.collect(),
             seams: seams.collect(),
             notices,
@@ -371,7 +395,7 @@ impl Session {
             self.pause(events)?;
         }
         let made = self.settled()?.pattern()?;
-        made.nest.allow(NESTING_STEPS);
+        made.steps[1] = made.steps[0] + NESTING_STEPS;
         made.is_nesting = made.nest.status() == Status::Running;
         events.push(self.status());
         self.tell_pattern(events)
@@ -394,7 +418,9 @@ impl Session {
         let Some(made) = &mut work.patterning else { return Ok(()) };
         let before = made.nest.state().cost_mm;
         let result = made.nest.step();
-        made.is_nesting = matches!(&result, Ok(report) if report.status == Status::Running);
+        made.steps[0] += 1;
+        let goes_on = matches!(&result, Ok(report) if report.status == Status::Running);
+        made.is_nesting = goes_on && made.steps[0] < made.steps[1];
         let is_better = made.nest.state().cost_mm < before;
         let has_ended = !made.is_nesting;
         result.map_err(|error| Problem::solve(&work.document.name, &error))?;
@@ -407,7 +433,7 @@ impl Session {
     /// What the status line says of nesting.
     pub(super) fn nesting_text(&self) -> Option<String> {
         let made = self.work.as_ref()?.patterning.as_ref().filter(|made| made.is_nesting)?;
-        Some(format!("Running step {} of nesting", made.nest.steps() + 1))
+        Some(format!("Running step {} of nesting", made.steps[0] + 1))
     }
 
     pub(super) fn apply_trade(&mut self, id: &str, events: &mut Vec<Event>) -> Result<(), Problem> {
