@@ -42,8 +42,7 @@ impl Mark {
 
     /// Whether it stands out of the cut line.
     pub fn is_outward(&self, style: NotchStyle) -> bool {
-        style == NotchStyle::V
-            && self.allowance.is_some_and(|a| a > 0.1 && a < NARROW_MM)
+        style == NotchStyle::V && self.allowance.is_some_and(|a| a > 0.1 && a < NARROW_MM)
     }
 
     /// The triangle that stands out of the cut line, with a point inside the allowance: counter-clockwise.
@@ -182,7 +181,8 @@ fn shape(
 fn tick(piece: &Piece, mark: &Mark, factor: f64) -> Vec<[f64; 2]> {
     let mut depth = TICK_MM * factor;
     for _ in 0..6 {
-        let line = [along(mark.at, -1e-3 * depth, mark.normal), along(mark.at, -depth, mark.normal)];
+        let line =
+            [along(mark.at, -1e-3 * depth, mark.normal), along(mark.at, -depth, mark.normal)];
         let mut sides = piece.outlines.iter().flat_map(|outline| outline.sides());
         if sides.all(|(a, b)| meeting(line, [a, b]).is_none()) {
             break;

@@ -71,7 +71,8 @@ impl NotchParams {
     /// All lengths in proportion to the longest seam of a small model; and the factor.
     fn reduced(&self, longest_mm: f64) -> (Self, f64) {
         let factor = (longest_mm / Self::FULL_MM).clamp(Self::SMALLEST, 1.0);
-        let sound = |x: f64, default: f64| factor * if x > 0.0 && x.is_finite() { x } else { default };
+        let sound =
+            |x: f64, default: f64| factor * if x > 0.0 && x.is_finite() { x } else { default };
         let default = Self::default();
         let reduced = Self {
             spacing_mm: sound(self.spacing_mm, default.spacing_mm),

@@ -4,8 +4,8 @@ use std::fmt;
 
 use super::NotchParams;
 use super::sequence::{Group, Reading, is_similar, seams};
-use crate::pattern::curve::turns;
 use crate::pattern::Pattern;
+use crate::pattern::curve::turns;
 
 /// The notches of all seams.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -94,7 +94,8 @@ pub fn plan(pattern: &Pattern, params: &NotchParams) -> NotchPlan {
     let longest = known.iter().map(|s| s.1).fold(0.0, f64::max);
     let (params, factor) = params.reduced(longest);
     let corners = corners(pattern, &known);
-    let mut plan = NotchPlan { seams: Vec::new(), pair_mm: params.pair_mm, factor, notices: Vec::new() };
+    let mut plan =
+        NotchPlan { seams: Vec::new(), pair_mm: params.pair_mm, factor, notices: Vec::new() };
     // Readings of the seams that are done.
     let mut done: Vec<Vec<Group>> = Vec::new();
     for (i, (number, length_mm, is_closed, pieces)) in known.iter().enumerate() {
