@@ -141,12 +141,12 @@ fn rectangle(centre: [f64; 2], width: f64, height: f64) -> Bounds {
     Bounds { low: [0, 1].map(|a| centre[a] - half[a]), high: [0, 1].map(|a| centre[a] + half[a]) }
 }
 
-fn meet(a: &Bounds, b: &Bounds) -> bool {
+pub(super) fn meet(a: &Bounds, b: &Bounds) -> bool {
     (0..2).all(|axis| a.low[axis] < b.high[axis] && b.low[axis] < a.high[axis])
 }
 
 /// Whether a segment has a point inside a rectangle: what its four sides leave of the segment.
-fn is_met(bounds: &Bounds, a: [f64; 2], b: [f64; 2]) -> bool {
+pub(super) fn is_met(bounds: &Bounds, a: [f64; 2], b: [f64; 2]) -> bool {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for axis in 0..2 {
         let (low, high, step) =

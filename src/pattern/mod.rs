@@ -37,6 +37,7 @@ mod nesting;
 pub mod notches;
 mod number;
 mod obj;
+mod pdf;
 mod piece;
 mod plane;
 mod ply;
@@ -74,6 +75,7 @@ pub use nesting::{
     NestState, Rotations, Stock, UvPackParams, UvPacking, pack_uv,
 };
 pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
+pub use pdf::{Orientation, Paper, PdfParams, Picture, PieceNote, Tile, pdf, tiles};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
 pub use ply::uv_ply;
 pub use png::{Channels, png};

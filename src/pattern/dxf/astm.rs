@@ -170,8 +170,10 @@ impl Block<'_> {
         for notch in &notches {
             self.notch(notch, &boundary[0]);
         }
-        for at in drills {
-            self.groups.point("13", at);
+        // Crosses come as two lines with one middle.
+        let is_first = |i: usize| drills[..i].iter().all(|&p| length(&[p, drills[i]]) > SAME);
+        for i in (0..drills.len()).filter(|&i| is_first(i)) {
+            self.groups.point("13", drills[i]);
         }
         Some(())
     }
