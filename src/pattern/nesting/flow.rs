@@ -4,7 +4,8 @@ use super::part::{Part, Spot};
 use super::plane::Dice;
 use super::raster::{Board, fill};
 use super::room::Room;
-use super::separate::{Probe, Separation};
+use super::probe::Probe;
+use super::separate::Separation;
 use super::{NestFault, NestNotice, NestParams, NestPose, NestShape, Stock, check, shelf};
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 use crate::pattern::piece::Bounds;
@@ -317,9 +318,7 @@ impl NestFlow {
             &self.parts,
             &self.probes,
             &self.spots,
-            bins,
-            margin,
-            gap,
+            (bins, margin, gap),
             &mut self.dice,
         );
         let count = self.parts.len();
@@ -330,7 +329,7 @@ impl NestFlow {
             let large = count.div_ceil(2).max(2);
             let i = self.dice.below(large);
             let j = (i + 1 + self.dice.below(large - 1)) % large;
-            search.swap(&self.parts, &self.probes, [order[i], order[j]]);
+            search.swap(&self.probes, [order[i], order[j]]);
         }
         search.relax(&self.parts, &self.probes, 4 * RELAXING);
         Trial { least: search.total(), search, queue: Vec::new(), rounds_without_gain: 0 }
@@ -362,6 +361,7 @@ impl NestFlow {
                     trial.rounds_without_gain += 1;
                 }
                 trial.search.weigh();
+                if std::env::var("DBG").is_ok() { eprint!("{:.0}({}) ", total, trial.search.entangled().len()); }
                 if total > 0.0 {
                     trial.search.relax(&self.parts, &self.probes, RELAXING);
                 }
@@ -379,6 +379,7 @@ impl NestFlow {
         let fault = if trial.search.is_within() {
             match self.accept(trial.search.spots.clone()) {
                 Ok(true) => {
+        if std::env::var("DBG").is_ok() { eprintln!("\nOK step {} shorter {} cost {}", self.step, self.shorter, self.state.cost_mm); }
                     self.failures = 0;
                     return;
                 }
@@ -404,6 +405,7 @@ impl NestFlow {
     }
 
     fn give_up(&mut self) {
+        if std::env::var("DBG").is_ok() { eprintln!("\nGIVE UP step {} shorter {} cost {}", self.step, self.shorter, self.state.cost_mm); }
         self.failures += 1;
         if self.failures % TRIALS == 0 {
             self.shorter *= 0.5;
