@@ -1,6 +1,6 @@
 //! Signed distance to outlines, fast: exact near them, interpolated far off.
 
-use super::plane::{cross, dot, minus, nearest, sides, squared_distance, winding};
+use super::plane::{cross, dot, minus, sides, squared_distance, winding};
 use crate::pattern::piece::Bounds;
 
 /// Cells along the longer side of a shape. Fewer, and cells hold many sides; more, and they cost more to fill than they save.
@@ -25,6 +25,9 @@ pub(super) struct Field {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Side {
     ends: [[f64; 2]; 2],
+    along: [f64; 2],
+    /// One over the square of its length.
+    inverse: f64,
     /// Out of the shape at its inside and at its ends; of any length.
     out: [[f64; 2]; 3],
 }
@@ -58,13 +61,19 @@ impl Field {
         let mut lists = Vec::new();
         for j in 0..rows {
             for i in 0..columns {
-                let at = j * (columns + 1) + i;
-                // Distances of points of a cell are no farther from that of a corner than a diagonal.
-                let d = corners[at];
-                if d > exact[0] - diagonal && d < exact[1] + diagonal {
-                    let centre = place(i, j, 0.5);
-                    let distances = all.iter().map(|s| squared_distance(centre, s.ends).sqrt());
-                    let nearest = distances.clone().fold(f64::INFINITY, f64::min);
+                // Distances of two points of a cell differ by no more than a diagonal.
+                let d = corners[j * (columns + 1) + i];
+                let is_near = |d: f64, by: f64| d > exact[0] - by && d < exact[1] + by;
+                if !is_near(d, diagonal) {
+                    starts.push(u32::try_from(lists.len()).unwrap_or(u32::MAX));
+                    continue;
+                }
+                let centre = place(i, j, 0.5);
+                let distances = all.iter().map(|s| squared_distance(centre, s.ends).sqrt());
+                let nearest = distances.clone().fold(f64::INFINITY, f64::min);
+                // Where the rim may be in the cell, the centre may be on its either side.
+                let is_rim = nearest < 0.5 * diagonal && exact[0] < diagonal;
+                if is_rim || is_near(nearest * d.signum(), 0.5 * diagonal) {
                     let within = distances.zip(0..).filter(|(d, _)| *d <= nearest + diagonal);
                     lists.extend(within.map(|(_, k)| k));
                 }
@@ -76,10 +85,19 @@ impl Field {
 
     /// Distance to the rim, negative inside; infinite off the grid.
     pub fn distance(&self, p: [f64; 2]) -> f64 {
+        self.look_up::<false>(p).0
+    }
+
+    /// Distance to the rim, and the direction in which it grows; its length is 1, or near it.
+    pub fn slope(&self, p: [f64; 2]) -> (f64, [f64; 2]) {
+        self.look_up::<true>(p)
+    }
+
+    fn look_up<const WITH_SLOPE: bool>(&self, p: [f64; 2]) -> (f64, [f64; 2]) {
         let x = (p[0] - self.low[0]) * self.per_unit;
         let y = (p[1] - self.low[1]) * self.per_unit;
         if !(x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64) {
-            return f64::INFINITY;
+            return (f64::INFINITY, [0.0; 2]);
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "just bounded")]
         let (i, j) = (x as usize, y as usize);
@@ -89,38 +107,45 @@ impl Field {
             let (s, t) = (x - i as f64, y - j as f64);
             let at = j * (self.columns + 1) + i;
             let above = at + self.columns + 1;
-            let lower = self.corners[at] * (1.0 - s) + self.corners[at + 1] * s;
-            let upper = self.corners[above] * (1.0 - s) + self.corners[above + 1] * s;
-            return lower * (1.0 - t) + upper * t;
+            let [a, b] = [self.corners[at], self.corners[at + 1]];
+            let [c, d] = [self.corners[above], self.corners[above + 1]];
+            let (lower, upper) = (a + (b - a) * s, c + (d - c) * s);
+            let slope = if WITH_SLOPE {
+                [((b - a) * (1.0 - t) + (d - c) * t), upper - lower].map(|x| x * self.per_unit)
+            } else {
+                [0.0; 2]
+            };
+            return (lower + (upper - lower) * t, slope);
         }
-        let mut best = (f64::INFINITY, 0.0);
+        let mut best = (f64::INFINITY, [0.0; 2], [0.0; 2]);
         for &k in &self.lists[list] {
             let side = &self.sides[k as usize];
-            let foot = nearest(p, side.ends);
-            let away = minus(p, foot);
+            let from = minus(p, side.ends[0]);
+            let t = (dot(from, side.along) * side.inverse).clamp(0.0, 1.0);
+            let away = [from[0] - t * side.along[0], from[1] - t * side.along[1]];
             let squared = dot(away, away);
             if squared < best.0 {
-                let out = if foot == side.ends[0] {
-                    side.out[1]
-                } else if foot == side.ends[1] {
-                    side.out[2]
+                let kind = if t <= 0.0 {
+                    1
+                } else if t >= 1.0 {
+                    2
                 } else {
-                    side.out[0]
+                    0
                 };
-                best = (squared, dot(away, out));
+                best = (squared, away, side.out[kind]);
             }
         }
-        if best.1 < 0.0 { -best.0.sqrt() } else { best.0.sqrt() }
-    }
-
-    /// The direction in which the distance grows, about; `None` off the grid.
-    pub fn gradient(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-        // Wide enough to see past the rounding of distances, narrow against the corners of outlines.
-        let h = 1e-3 / self.per_unit;
-        let along = self.distance([x + h, y]) - self.distance([x - h, y]);
-        let up = self.distance([x, y + h]) - self.distance([x, y - h]);
-        let length = along.hypot(up);
-        (length > 0.0 && length.is_finite()).then(|| [along / length, up / length])
+        let (squared, away, out) = best;
+        let distance = if dot(away, out) < 0.0 { -squared.sqrt() } else { squared.sqrt() };
+        let slope = if WITH_SLOPE {
+            // On the rim itself straight out.
+            let [along, length] =
+                if squared > 0.0 { [away, [distance; 2]] } else { [out, [dot(out, out).sqrt(); 2]] };
+            [along[0] / length[0], along[1] / length[1]]
+        } else {
+            [0.0; 2]
+        };
+        (distance, slope)
     }
 
     /// Side of a cell.
@@ -176,14 +201,11 @@ fn outer_sides(outlines: &[Vec<[f64; 2]>]) -> Vec<Side> {
             // Where an outline turns back on itself both sides of its tip are outside.
             let sum = |s: [f64; 2], t: [f64; 2]| {
                 let sum = [s[0] + t[0], s[1] + t[1]];
-                if dot(sum, sum) > 1e-20 {
-                    sum
-                } else {
-                    [-s[1], s[0]].map(|x| x * cross(s, t).signum())
-                }
+                if dot(sum, sum) > 1e-20 { sum } else { [-s[1], s[0]].map(|x| x * cross(s, t).signum()) }
             };
             let out = [own, sum(before, own), sum(own, after)];
-            all.push(Side { ends: proper[k], out });
+            let along = minus(proper[k][1], proper[k][0]);
+            all.push(Side { ends: proper[k], along, inverse: 1.0 / dot(along, along), out });
         }
     }
     all

@@ -4,7 +4,8 @@ use super::part::{Part, Spot};
 use super::plane::Dice;
 use super::raster::{Board, fill};
 use super::room::Room;
-use super::separate::{Probe, Separation};
+use super::probe::Probe;
+use super::separate::Separation;
 use super::{NestFault, NestNotice, NestParams, NestPose, NestShape, Stock, check, shelf};
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 use crate::pattern::piece::Bounds;
@@ -147,6 +148,11 @@ impl NestFlow {
         Ok(flow)
     }
 
+    /// What is asked of the layout.
+    pub fn params(&self) -> &NestParams {
+        &self.params
+    }
+
     /// How it stands.
     pub fn status(&self) -> Status {
         self.status
@@ -178,7 +184,8 @@ impl NestFlow {
             let points = self.shapes[shape].outlines.iter().flatten();
             let Bounds { low, .. } = Bounds::around(points.map(|&p| turn.apply(p)));
             let shift = low.map(|x| self.room.margin - x);
-            poses[shape] = NestPose { angle, shift, is_mirrored: false, sheet, is_too_large: true };
+            poses[shape] =
+                NestPose { angle, shift, is_mirrored: false, sheet, is_too_large: true };
             notices.push(NestNotice::TooLarge { shape });
         }
         notices.sort_by_key(|notice| match *notice {
@@ -253,10 +260,9 @@ impl NestFlow {
         if width.is_finite() {
             return vec![width];
         }
-        let widest = self
-            .parts
-            .iter()
-            .map(|part| part.fits.iter().map(|fit| fit.size()[0]).fold(f64::INFINITY, f64::min));
+        let widest = self.parts.iter().map(|part| {
+            part.fits.iter().map(|fit| fit.size()[0]).fold(f64::INFINITY, f64::min)
+        });
         let widest = widest.fold(0.0, f64::max);
         let least = (self.least_cost - 2.0 * self.room.margin).max(widest);
         [1.05, 1.12, 1.2, 1.3].map(|part| least * part).into_iter().chain([widest]).collect()
@@ -317,9 +323,7 @@ impl NestFlow {
             &self.parts,
             &self.probes,
             &self.spots,
-            bins,
-            margin,
-            gap,
+            (bins, margin, gap),
             &mut self.dice,
         );
         let count = self.parts.len();
@@ -330,7 +334,7 @@ impl NestFlow {
             let large = count.div_ceil(2).max(2);
             let i = self.dice.below(large);
             let j = (i + 1 + self.dice.below(large - 1)) % large;
-            search.swap(&self.parts, &self.probes, [order[i], order[j]]);
+            search.swap(&self.probes, [order[i], order[j]]);
         }
         search.relax(&self.parts, &self.probes, 4 * RELAXING);
         Trial { least: search.total(), search, queue: Vec::new(), rounds_without_gain: 0 }
@@ -362,6 +366,7 @@ impl NestFlow {
                     trial.rounds_without_gain += 1;
                 }
                 trial.search.weigh();
+                if std::env::var("DBG").is_ok() { eprint!("{:.0}({}) ", total, trial.search.entangled().len()); }
                 if total > 0.0 {
                     trial.search.relax(&self.parts, &self.probes, RELAXING);
                 }
@@ -379,6 +384,7 @@ impl NestFlow {
         let fault = if trial.search.is_within() {
             match self.accept(trial.search.spots.clone()) {
                 Ok(true) => {
+        if std::env::var("DBG").is_ok() { eprintln!("\nOK step {} shorter {} cost {}", self.step, self.shorter, self.state.cost_mm); }
                     self.failures = 0;
                     return;
                 }
@@ -404,6 +410,7 @@ impl NestFlow {
     }
 
     fn give_up(&mut self) {
+        if std::env::var("DBG").is_ok() { eprintln!("\nGIVE UP step {} shorter {} cost {}", self.step, self.shorter, self.state.cost_mm); }
         self.failures += 1;
         if self.failures % TRIALS == 0 {
             self.shorter *= 0.5;

@@ -18,6 +18,7 @@ mod field;
 mod flow;
 mod part;
 mod plane;
+mod probe;
 mod raster;
 mod room;
 mod separate;

@@ -67,6 +67,18 @@ impl Spot {
         Self { sheet, turn: fit.turn, at, bounds: Bounds { low: corner, high } }
     }
 
+    /// Where a point of the part lies.
+    pub fn place(&self, p: [f64; 2]) -> [f64; 2] {
+        let [x, y] = self.turn.apply(p);
+        [x + self.at[0], y + self.at[1]]
+    }
+
+    /// The middle of its extent.
+    pub fn middle(&self) -> [f64; 2] {
+        let Bounds { low, high } = self.bounds;
+        [0, 1].map(|k| 0.5 * (low[k] + high[k]))
+    }
+
     pub fn moved(&self, by: [f64; 2]) -> Self {
         let add = |p: [f64; 2]| [p[0] + by[0], p[1] + by[1]];
         let bounds = Bounds { low: add(self.bounds.low), high: add(self.bounds.high) };
@@ -76,12 +88,7 @@ impl Spot {
 
 impl Part {
     /// `None` where the shape fits the stock in no turn.
-    pub fn new(
-        shape: usize,
-        polygon: &NestShape,
-        params: &NestParams,
-        room: &Room,
-    ) -> Option<Self> {
+    pub fn new(shape: usize, polygon: &NestShape, params: &NestParams, room: &Room) -> Option<Self> {
         let hull = plane::convex_hull(polygon.outlines.iter().flatten().copied());
         let spread = hull.iter().map(|&p| size(minus(p, hull[0]))).fold(0.0, f64::max);
         let bounds = Bounds::around(hull.iter().copied());

@@ -18,7 +18,7 @@ use crate::pattern::allowance::{AllowanceParams, Corner};
 use crate::pattern::notches::{NotchParams, NotchStyle};
 use crate::pattern::{
     BlankParams, Blanks, Bounds, FlapParams, FlapSide, FoldParams, GrainParams, LaidSurface,
-    MarkParams, NestFlow, NestNotice, NestParams, NestPose, NestShape, PageSize, Pattern,
+    MarkParams, NestFlow, NestNotice, NestParams, NestPose, NestShape, Paper, Pattern,
     PdfParams, Placed, Rotations, Sheet, SheetParams, Stock, blanks, check, svg, tiles, uprights,
 };
 
@@ -272,11 +272,11 @@ impl Work {
     fn pdf_params(&self) -> PdfParams {
         let settings = &self.settings;
         PdfParams {
-            page: match settings.text("paper") {
-                "a3" => PageSize::A3,
-                "letter" => PageSize::Letter,
-                "one" => PageSize::One,
-                _ => PageSize::A4,
+            paper: match settings.text("paper") {
+                "a3" => Paper::A3,
+                "letter" => Paper::Letter,
+                "one" => Paper::OnePage,
+                _ => Paper::A4,
             },
             overlap_mm: settings.number("page_overlap"),
             ..PdfParams::default()
