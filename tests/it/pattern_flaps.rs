@@ -214,7 +214,7 @@ fn curved_seams_get_teeth() {
         assert_eq!(along, made.pattern.pieces[0].outlines[0].points.len());
         let labels = flap_labels(&made.pattern, &made.flaps);
         assert!(labels.iter().all(|label| label.text.starts_with("1.")));
-        assert!(!labels.is_empty() && labels.len() % 2 == 0);
+        assert!(!labels.is_empty() && labels.len().is_multiple_of(2));
     }
     // A square pillow has corners, and no stretch goes around one.
     let made = make(&pillow(), 50.0, &params);
