@@ -132,10 +132,11 @@ fn free(sides: &[[[f64; 2]; 2]], at: f64) -> Vec<[f64; 2]> {
             return None;
         }
         let y = |x: f64| {
-            let t = if b[0] == a[0] { 0.0 } else { ((x - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0) };
+            let t = ((x - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0);
             a[1] + t * (b[1] - a[1])
         };
-        let ends = if b[0] == a[0] { [a[1], b[1]] } else { [y(low), y(high)] };
+        let is_upright = !((b[0] - a[0]).abs() > 0.0);
+        let ends = if is_upright { [a[1], b[1]] } else { [y(low), y(high)] };
         Some([ends[0].min(ends[1]) - GAP_MM, ends[0].max(ends[1]) + GAP_MM])
     });
     let mut blocked: Vec<[f64; 2]> = blocked.collect();

@@ -208,13 +208,13 @@ fn curved_seams_get_teeth() {
         made.check_sides();
         let teeth = &made.flaps[0];
         // Sagitta: a chord of length L over radius R is off by L² / 8 R.
-        let longest = (8.0 * mm * params.tolerance_mm).sqrt();
+        let longest = (8.0 * mm * 1.25 * params.tolerance_mm).sqrt();
         assert!(teeth.len() as f64 > TAU * mm / longest * 0.99, "{}", teeth.len());
         let along: usize = teeth.iter().map(|flap| flap.base.sides).sum();
         assert_eq!(along, made.pattern.pieces[0].outlines[0].points.len());
         let labels = flap_labels(&made.pattern, &made.flaps);
         assert!(labels.iter().all(|label| label.text.starts_with("1.")));
-        assert!(!labels.is_empty() && labels.len() % 2 == 0);
+        assert!(!labels.is_empty() && labels.len().is_multiple_of(2));
     }
     // A square pillow has corners, and no stretch goes around one.
     let made = make(&pillow(), 50.0, &params);
@@ -380,5 +380,4 @@ fn flaps_of_random_nets_meet_nothing_and_lie_within_their_partners() {
     assert!(made_all > 30 && flap_count > 300, "{made_all} {flap_count}");
     // Slivers of triangles leave no room for a flap of 2 mm on either side; most seams have some.
     assert!(told * 20 < flap_count && moved == 0, "{told} of {flap_count} without flap");
-    println!("{made_all} nets, {flap_count} flaps, {told} seams without");
 }

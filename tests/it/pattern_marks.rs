@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use cutflow::pattern::{
-    GrainParams, HintParams, Layer, Mark, MarkKind, MarkParams, Outline, Pattern, darts, grain,
-    hints, marks,
+    GrainParams, HintParams, Layer, Mark, MarkKind, MarkParams, Outline, Pattern, PieceHints,
+    darts, grain, hints, marks,
 };
 
 use crate::pattern_folds::strip;
@@ -157,8 +157,6 @@ fn pieces_without_distortion_have_no_stretch_and_flat_ones_no_radius() {
     assert!(found.seams.iter().all(|ease| ease.difference_mm().abs() < 1e-9));
     assert_eq!(found.seams[0].to_string(), format!("seam {}: equally long", found.seams[0].number));
 }
-
-use cutflow::pattern::PieceHints;
 
 #[test]
 fn stretch_area_and_ease_are_those_of_the_chart() {

@@ -32,7 +32,7 @@ pub(super) fn trapezoid(
 }
 
 /// By how much one direction must be turned left to become another, from 0 to 2π.
-pub(in crate::pattern) fn turn_left(from: [f64; 2], to: [f64; 2]) -> f64 {
+pub(in super::super) fn turn_left(from: [f64; 2], to: [f64; 2]) -> f64 {
     let (sin, cos) = (from[0] * to[1] - from[1] * to[0], from[0] * to[0] + from[1] * to[1]);
     let turn = sin.atan2(cos);
     if turn < 0.0 { turn + TAU } else { turn }
@@ -79,7 +79,11 @@ mod tests {
         let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-12;
         let base = [[0.0, 0.0], [20.0, 0.0]];
         let (points, height) = trapezoid(base, [FRAC_PI_4, FRAC_PI_2], 5.0);
-        assert!(near(points[1], [5.0, -5.0]) && near(points[2], [20.0, -5.0]) && height == 5.0);
+        assert!(
+            near(points[1], [5.0, -5.0])
+                && near(points[2], [20.0, -5.0])
+                && (height - 5.0).abs() < 1e-12
+        );
         let (points, height) = trapezoid(base, [FRAC_PI_4; 2], 9.8);
         assert!(points.len() == 3 && near(points[1], [10.0, -10.0]), "{points:?}");
         assert!((height - 10.0).abs() < 1e-12);

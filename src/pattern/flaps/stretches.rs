@@ -1,7 +1,9 @@
 //! Seams cut into nearly straight stretches, the same on both sides.
 
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 
+use super::shape::turn_left;
 use super::{Base, FlapParams};
 use crate::mesh::VertexId;
 use crate::pattern::folds::{Fold, split};
@@ -86,26 +88,7 @@ fn joint(
     // Both sides of a seam have the same points of the surface.
     lines.extend(across.map(|side| line(side, true)).filter(|(points, _)| points.len() == n + 1));
     let is_end = |i: usize| lines.iter().any(|(_, vertices)| ends.contains(&vertices[i]));
-    let kept = split(n + 1, |i, j| {
-        let middle = 0.5 * (i + j) as f64;
-        let central = |k: &usize| ((*k as f64 - middle).abs(), *k);
-        let by_centre = |a: &usize, b: &usize| {
-            let (a, b) = (central(a), central(b));
-            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
-        };
-        (i + 1..j).filter(|&k| is_end(k)).min_by(by_centre).or_else(|| {
-            let apart = |k: usize| {
-                let from_chord =
-                    |points: &[[f64; 2]]| squared_distance(points[k], points[i], points[j]).sqrt();
-                lines.iter().map(|(points, _)| from_chord(points)).fold(0.0, f64::max)
-            };
-            (i + 1..j)
-                .map(|k| (apart(k), k))
-                .filter(|(d, _)| *d > params.tolerance_mm)
-                .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))
-                .map(|(_, k)| k)
-        })
-    });
+    let kept = divide(&lines, is_end, params.tolerance_mm);
     let stretch = |w: &[usize]| {
         let (from, to) = (w[0], w[1]);
         let base = |(p, s): (usize, usize), first: usize| {
@@ -136,4 +119,76 @@ fn joint(
         patches: [own, other],
         stretches: kept.windows(2).map(stretch).collect(),
     }
+}
+
+/// One side of a seam: places and vertices.
+type Side = (Vec<[f64; 2]>, Vec<VertexId>);
+
+/// Chords that meet at a sharper angle meet in a corner, radians.
+const CORNER: f64 = 0.5;
+
+/// Indices of the points of a seam where stretches end: at the ends of folds, at corners, and in between so that no side runs farther
+/// beside its chord than the tolerance, if possible in equal parts.
+fn divide(lines: &[Side], is_end: impl Fn(usize) -> bool, tolerance: f64) -> Vec<usize> {
+    let n = lines[0].0.len();
+    // The point of a stretch that is farthest from a chord.
+    let farthest = |i: usize, j: usize| {
+        let apart = |k: usize| {
+            let from_chord =
+                |(points, _): &Side| squared_distance(points[k], points[i], points[j]).sqrt();
+            lines.iter().map(from_chord).fold(0.0, f64::max)
+        };
+        let by_distance =
+            |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1));
+        (i + 1..j).map(|k| (apart(k), k)).max_by(by_distance)
+    };
+    let kept = split(n, |i, j| {
+        let central = |k: &usize| (2 * k).abs_diff(i + j);
+        let ends = (i + 1..j).filter(|&k| is_end(k)).min_by_key(central);
+        ends.or_else(|| farthest(i, j).filter(|&(d, _)| d > tolerance).map(|(_, k)| k))
+    });
+    let is_corner = |w: &[usize]| {
+        is_end(w[1])
+            || lines.iter().any(|(points, _)| {
+                let [a, b, c] = [w[0], w[1], w[2]].map(|i| points[i]);
+                let turn = turn_left([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]);
+                turn.min(TAU - turn) > CORNER
+            })
+    };
+    let mut fixed = vec![0];
+    fixed.extend((1..kept.len() - 1).filter(|&k| is_corner(&kept[k - 1..=k + 1])));
+    fixed.push(kept.len() - 1);
+    let mut result = vec![0];
+    for section in fixed.windows(2) {
+        let own = &kept[section[0]..=section[1]];
+        let even = even(&lines[0].0, own[0], own[own.len() - 1], own.len() - 1);
+        // Even parts may be a little farther off: they look better.
+        let is_near = |w: &[usize]| {
+            w[0] < w[1] && farthest(w[0], w[1]).is_none_or(|(d, _)| d <= 1.25 * tolerance)
+        };
+        let chosen = if even.windows(2).all(is_near) { &even[..] } else { own };
+        result.extend(&chosen[1..]);
+    }
+    result
+}
+
+/// Indices from one to another at about equal distances along a line.
+fn even(points: &[[f64; 2]], from: usize, to: usize, parts: usize) -> Vec<usize> {
+    let total = length(&points[from..=to]);
+    let mut indices = vec![from];
+    let (mut at, mut arc) = (from, 0.0);
+    for part in 1..parts {
+        let wanted = total * part as f64 / parts as f64;
+        while at < to {
+            let step = length(&points[at..=at + 1]);
+            if arc + 0.5 * step > wanted {
+                break;
+            }
+            arc += step;
+            at += 1;
+        }
+        indices.push(at);
+    }
+    indices.push(to);
+    indices
 }

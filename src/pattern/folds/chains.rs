@@ -91,7 +91,7 @@ fn continuations(edges: &[Edge], frame: &Frame, params: &FoldParams) -> Vec<[Opt
 }
 
 /// Indices of the points that remain when all others lie within a distance of the line (Douglas and Peucker).
-pub(in crate::pattern) fn simplified(points: &[[f64; 2]], tolerance: f64) -> Vec<usize> {
+pub(in super::super) fn simplified(points: &[[f64; 2]], tolerance: f64) -> Vec<usize> {
     split(points.len(), |i, j| {
         let far = (i + 1..j).map(|k| (squared_distance(points[k], points[i], points[j]), k));
         let far = far.filter(|&(squared, _)| squared > tolerance * tolerance);
@@ -100,7 +100,7 @@ pub(in crate::pattern) fn simplified(points: &[[f64; 2]], tolerance: f64) -> Vec
 }
 
 /// Indices from 0 to `count` − 1 that remain when each gap is split where `worst` says, until it says nothing.
-pub(in crate::pattern) fn split(
+pub(in super::super) fn split(
     count: usize,
     worst: impl Fn(usize, usize) -> Option<usize>,
 ) -> Vec<usize> {

@@ -7,7 +7,7 @@ use crate::pattern::piece::{Piece, length};
 const TICK: f64 = 2.0;
 
 /// Outline and point of every end of a seam, and the beginnings of closed seams.
-pub(in crate::pattern) fn seam_ends(piece: &Piece) -> Vec<(usize, usize)> {
+pub(in super::super) fn seam_ends(piece: &Piece) -> Vec<(usize, usize)> {
     let mut ends = Vec::new();
     for seam in &piece.seams {
         let n = piece.outlines[seam.outline].points.len();
@@ -37,7 +37,7 @@ pub(super) fn inwards(points: &[[f64; 2]], at: usize) -> [f64; 2] {
 }
 
 /// A short line from a point of an outline into the piece, halving the angle there.
-pub(in crate::pattern) fn tick(points: &[[f64; 2]], at: usize) -> Vec<[f64; 2]> {
+pub(in super::super) fn tick(points: &[[f64; 2]], at: usize) -> Vec<[f64; 2]> {
     let p = points[at];
     let [x, y] = inwards(points, at);
     vec![p, [p[0] + TICK * x, p[1] + TICK * y]]
