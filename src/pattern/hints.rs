@@ -15,7 +15,7 @@ use super::laid::LaidSurface;
 use super::piece::{Pattern, Piece, piece_name};
 use super::seam::Partner;
 use crate::flatten::overlap::orientation;
-use crate::mesh::{FaceId, VertexId};
+use crate::mesh::FaceId;
 
 /// What counts as a bend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,7 @@ pub struct PieceHints {
     pub shortest_percent: f64,
     /// Area in the plane over area on the surface, less 1, in percent.
     pub area_percent: f64,
-    /// Smallest radius of bending, mm, edges that are folded left out; ∞ where the piece stays flat.
+    /// Smallest radius of bending, mm, edges that are folded and the tightest 2 % of the area left out; ∞ where the piece stays flat.
     pub radius_mm: f64,
 }
 
@@ -85,6 +85,8 @@ impl Ease {
 
 /// Faces below this part of the mean area are slivers of the cut and not counted for extremes.
 const SLIVER: f64 = 1e-6;
+/// Part of a piece that may be bent more tightly than is told. Smaller: slivers speak; larger: narrow rolls are passed over.
+const TIGHTEST: f64 = 0.02;
 
 /// Measures pieces and seams.
 ///
@@ -193,24 +195,33 @@ fn radii(surface: &LaidSurface, params: &HintParams) -> Vec<f64> {
         let total = &mut totals[opened.face_patches[face.index()] as usize];
         *total = (total.0 + area, total.1 + 1);
     }
-    let mut largest = vec![0.0_f64; opened.patch_count];
+    // Every vertex with its curvature and the area that it stands for.
+    let mut bends: Vec<Vec<(f64, f64)>> = vec![Vec::new(); opened.patch_count];
+    let mut patches = vec![None; mesh.vertex_count()];
     for face in mesh.faces() {
-        let patch = opened.face_patches[face.index()] as usize;
-        for VertexId(v) in mesh.face_vertices(face) {
-            let (area, tensor) = tensors[v as usize];
-            // A fan of slivers says nothing: three of them are no face.
-            let least = SLIVER * totals[patch].0 / f64::from(totals[patch].1);
-            if area > least {
-                let curvatures = (tensor / area).symmetric_eigenvalues();
-                largest[patch] = largest[patch].max(curvatures.amax());
-            }
+        for v in mesh.face_vertices(face) {
+            patches[v.index()] = Some(opened.face_patches[face.index()] as usize);
         }
     }
-    // Rounding bends a flat piece a little: a radius of a million times its size is flat.
-    let radius = |(curvature, (area, _)): (f64, (f64, u32))| {
-        if curvature * area.sqrt() > 1e-6 { 1.0 / curvature } else { f64::INFINITY }
+    for (patch, (area, tensor)) in patches.iter().zip(tensors) {
+        if let Some(patch) = patch.filter(|_| area > 0.0) {
+            bends[patch].push(((tensor / area).symmetric_eigenvalues().amax(), area));
+        }
+    }
+    let radius = |(mut bends, (total, _)): (Vec<(f64, f64)>, (f64, u32))| {
+        bends.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let all: f64 = bends.iter().map(|(_, area)| area).sum();
+        // Slivers beside a cut bend as rounding wants them to: the tightest part that is seen.
+        let mut above = 0.0;
+        let tightest = bends.into_iter().find(|(_, area)| {
+            above += area;
+            above >= TIGHTEST * all
+        });
+        let curvature = tightest.map_or(0.0, |(curvature, _)| curvature);
+        // Rounding bends a flat piece a little: a radius of a million times its size is flat.
+        if curvature * total.sqrt() > 1e-6 { 1.0 / curvature } else { f64::INFINITY }
     };
-    largest.into_iter().zip(totals).map(radius).collect()
+    bends.into_iter().zip(totals).map(radius).collect()
 }
 
 impl fmt::Display for PieceHints {

@@ -44,6 +44,24 @@ impl<'a> Labels<'a> {
         self.taken.push(Bounds { low, high });
     }
 
+    /// Abscissas beside the text that was placed first, to be tried for an upright line: left, right, and farther out. The middle of the piece
+    /// where there is none.
+    pub(super) fn beside_the_first(&self) -> Vec<f64> {
+        match self.taken.last() {
+            Some(Bounds { low, high }) => {
+                let far = 0.25 * (self.piece.bounds.high[0] - self.piece.bounds.low[0]);
+                let near = 3.0 * GAP;
+                vec![low[0] - near, high[0] + near, low[0] - far, high[0] + far]
+            }
+            None => vec![self.piece.centre[0]],
+        }
+    }
+
+    /// Whether an upright line meets no text.
+    pub(super) fn is_line_free(&self, from: [f64; 2], to: [f64; 2]) -> bool {
+        !self.taken.iter().any(|taken| is_met(taken, from, to))
+    }
+
     /// Lines of text under one another about the centre of the piece: the middle of each, and its height. The first is
     /// as high as the room allows, the others 0.4 of it.
     pub(super) fn place_name(&mut self, lines: &[String]) -> Vec<([f64; 2], f64)> {

@@ -1,7 +1,7 @@
 //! What is drawn of a pattern: lines and texts in layers, the same for every drawing format.
 
 use super::blank::{Blank, seam_id};
-use super::grain::{GrainParams, grain as grain_line};
+use super::grain::{Grain, GrainParams, grain as grain_line};
 use super::labels::{Labels, text_width};
 use super::nesting::NestPose;
 use super::number::millimetre_text;
@@ -257,15 +257,6 @@ impl Sheet {
         for word in &blank.words {
             labels.take(word.at, &word.text, word.height);
         }
-        if let Some(grain) = &params.grain
-            && let Some(found) = grain_line(&piece.outlines, piece.centre, grain)
-        {
-            for (k, points) in found.lines().into_iter().enumerate() {
-                let id = format!("{name}-grain-{}", k + 1);
-                self.lines.push(line(Layer::Grain, id, Some(index), points));
-            }
-            labels.take_line(found.from, found.to);
-        }
         let mut text = |id: String, seam, (at, height), text| {
             let (layer, piece) = (Layer::Text, Some(index));
             let id = format!("{name}-{id}");
@@ -295,6 +286,14 @@ impl Sheet {
                 text(id.to_owned(), None, place, line);
             }
         }
+        if let Some(grain) = &params.grain {
+            self.grain(&name, index, piece, grain, &mut labels);
+        }
+        let mut text = |id: String, seam, (at, height), text| {
+            let (layer, piece) = (Layer::Text, Some(index));
+            let id = format!("{name}-{id}");
+            self.texts.push(Text { layer, id, piece, seam, at, is_left: false, height, text });
+        };
         if params.seam_labels {
             for (k, seam) in piece.seams.iter().enumerate() {
                 let label = piece.seam_label(seam);
@@ -305,6 +304,36 @@ impl Sheet {
         for word in &blank.words {
             text(word.id.clone(), word.seam, (word.at, word.height), word.text.clone());
         }
+    }
+
+    /// A grain line beside the name of its piece.
+    fn grain(
+        &mut self,
+        name: &str,
+        index: usize,
+        piece: &Piece,
+        params: &GrainParams,
+        labels: &mut Labels,
+    ) {
+        let beside = labels.beside_the_first();
+        let found = beside.into_iter().filter_map(|x| {
+            let found = grain_line(&piece.outlines, [x, piece.centre[1]], params)?;
+            labels.is_line_free(found.from, found.to).then_some(found)
+        });
+        // Where there is no room beside the name it runs through it: that can still be read.
+        let longest = found.max_by(|a, b| {
+            let length = |grain: &Grain| (grain.to[1] - grain.from[1]).abs();
+            length(a).total_cmp(&length(b))
+        });
+        let Some(found) = longest.or_else(|| grain_line(&piece.outlines, piece.centre, params))
+        else {
+            return;
+        };
+        for (k, points) in found.lines().into_iter().enumerate() {
+            let id = format!("{name}-grain-{}", k + 1);
+            self.lines.push(line(Layer::Grain, id, Some(index), points));
+        }
+        labels.take_line(found.from, found.to);
     }
 
     fn draw_frames(&mut self) {

@@ -27,8 +27,7 @@ pub struct PatternArgs {
     /// The mesh, or `sample:NAME`, or a project that was saved before.
     #[command(flatten)]
     mesh: MeshArgs,
-    /// A cut.json that `cutflow cut` wrote: used as it is. Without any cut the UV seams of the mesh are, and where it has none the
-    /// cut flow runs.
+    /// A cut.json that `cutflow cut` wrote, used as it is; `uv` for the UV seams of the mesh. Without it the cut flow runs.
     #[arg(long, value_name = "FILE")]
     cut: Option<PathBuf>,
     /// A cones.json that `cutflow cones` wrote: seams join these cones.
@@ -135,21 +134,17 @@ fn with_cut(args: &PatternArgs, is_quiet: bool) -> Result<Session, Problem> {
     if let Some(cones) = &args.cones {
         return cones::with_cones(document, cones, &[]);
     }
-    let has_uv = !document.surface()?.soup.texture_corners.is_empty();
     let mut settings = settings_for(&document);
-    let is_sample = document.sample.is_some();
-    if args.cut.is_none() && has_uv && !is_sample {
+    let is_uv = args.cut.as_deref() == Some(Path::new("uv"));
+    if is_uv {
         settings.set("init", Value::Text("uv".into()))?;
     }
     tell(session.open_with(Ok(document), settings))?;
-    if let Some(cut) = &args.cut {
-        session.lay_out_cut(&cut.display().to_string(), &read(cut)?)?;
+    if is_uv {
         return Ok(session);
     }
-    if has_uv && !is_sample {
-        if !is_quiet {
-            say!("no cut given: the pieces are those of the UV map");
-        }
+    if let Some(cut) = &args.cut {
+        session.lay_out_cut(&cut.display().to_string(), &read(cut)?)?;
         return Ok(session);
     }
     if !is_quiet {
