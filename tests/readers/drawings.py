@@ -160,17 +160,23 @@ def check_dxf(path, hold):
     wanted = sum(line["closed"] for line in model["sheet"]["lines"] if line["layer"] == "CUT")
     hold(sum(is_closed for layer, is_closed, _ in found if layer == "CUT") == wanted, "closed outlines are flagged as closed")
     check_seams(model, found, hold)
-    check_librecad(path, model, hold)
+    check_librecad(path, hold)
 
 
 def outline_run(outline, points):
-    """The part of a closed polyline along a seam: its length from the seam's first point to its last."""
+    """The part of a closed polyline along a seam, from the seam's first point to its last; none if the seam is not on it."""
     ring = numpy.asarray(outline)[:-1]
-    nearest = [int(numpy.linalg.norm(ring - p, axis=1).argmin()) for p in (points[0], points[-1])]
-    first, last = nearest
-    count = (last - first) % len(ring) or len(ring)
-    run = ring[(first + numpy.arange(count + 1)) % len(ring)]
-    return run if distances(points, run).max() <= OUTLINE else None
+    near = [numpy.flatnonzero(numpy.linalg.norm(ring - p, axis=1) <= OUTLINE) for p in (points[0], points[-1])]
+    best, best_deviation = None, OUTLINE
+    # Both sides of a slit have points at the same places.
+    for first in near[0]:
+        for last in near[1]:
+            count = (last - first) % len(ring) or len(ring)
+            run = ring[(first + numpy.arange(count + 1)) % len(ring)]
+            off = deviation(points, run)
+            if off <= best_deviation:
+                best, best_deviation = run, off
+    return best
 
 
 def pairs(seams):
@@ -240,12 +246,11 @@ def check_notches(runs, sides, notches, hold):
     hold(worst <= NOTCH, f"notches of partners meet, to {NOTCH} mm ({worst:.5f})")
 
 
-def check_librecad(path, model, hold):
-    """LibreCAD prints the file; its square is measured on the page."""
-    width, height = (int(x) + 40 for x in model["sheet"]["size"])
+def check_librecad(path, hold):
+    """LibreCAD prints the file on A4, from the sheet's low corner, where the control square is; that is measured."""
     with tempfile.TemporaryDirectory() as folder:
-        pdf = Path(folder) / "out.pdf"
-        command = ["librecad", "dxf2pdf", "-c", "-p", f"{width}x{height}", "-o", str(pdf), str(path.resolve())]
+        pdf = Path(folder) / f"{path.stem}.pdf"
+        command = ["librecad", "dxf2pdf", "-t", folder, str(path.resolve())]
         # It keeps settings, and asks for them at its first start.
         environment = {"QT_QPA_PLATFORM": "offscreen", "HOME": folder, "XDG_RUNTIME_DIR": folder, "PATH": "/usr/bin:/bin"}
         subprocess.run(command, env=environment, timeout=30, check=True, capture_output=True)

@@ -81,8 +81,8 @@ def check_uv_obj(path, hold):
     given, model = Obj(input_path), model_of(path)
     count = len(given.v)
     hold(numpy.array_equal(obj.v[:count], given.v), "the input's vertices come first, equal to the last bit")
-    is_ours = "# parts" not in given.lines[0]
-    if is_ours:
+    if "Cutflow" in given.lines[0]:
+        # Numbers in the shortest form, as we write them: others may be longer and mean the same.
         hold(obj.position_lines[:count] == given.position_lines, "lines of vertices are those of the input, byte for byte")
     else:
         normals = [line for line in obj.lines if line.startswith("vn ")]
@@ -136,8 +136,6 @@ def check_cut_obj(path, hold):
     uv = Obj(path.with_name("uv.obj")).v
     known = {tuple(p) for p in uv}
     hold(all(tuple(p) in known for p in obj.v), "points of the cut are vertices of the cut surface, to the last bit")
-    loaded = trimesh.load(path)
-    hold(hasattr(loaded, "entities") or len(getattr(loaded, "geometry", [])) >= 0, "trimesh opens the file")
 
 
 def check_ply(path, hold):
@@ -191,10 +189,8 @@ def check_glb(path, hold):
         check_map(obj, order, faces, source, uv, hold)
     else:
         hold(same_triangles(obj.v[source[faces]], obj.v[obj.faces(0)], 0), "its triangles are those of the OBJ")
-        names = {g for g in Obj(path.with_name("input.obj")).groups and group_names(path)}
-        hold(names <= set(scene.graph.nodes), "groups are nodes of their names")
-    places = scene.to_mesh().vertices
-    hold(numpy.allclose(places.max(axis=0) - places.min(axis=0), numpy.ptp(first.vertices, axis=0) * scale, rtol=1e-6), "the scene is as large as the thing, in metres")
+        hold(set(group_names(path)) <= set(scene.graph.nodes), "groups are nodes of their names")
+    hold(numpy.allclose(scene.extents, numpy.ptp(first.vertices, axis=0) * scale, rtol=1e-6), "the scene is as large as the thing, in metres")
     image = first.visual.material.baseColorTexture
     hold(image is not None and image.size in {(32, 32), (512, 512)}, "the texture inside is a picture")
 
