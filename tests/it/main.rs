@@ -55,5 +55,6 @@ mod surfaces;
 mod symmetries;
 mod targets;
 mod tidy;
+mod uv_seams;
 mod validity;
 mod weaknesses;
