@@ -16,26 +16,7 @@ const NONE: u32 = u32::MAX;
 ///
 /// **Gives** islands numbered by first polygon; `None` if no corner has texture coordinates. **Costs** O(C log C).
 pub fn uv_islands(soup: &Soup) -> Option<Vec<u32>> {
-    let corners = soup.corners.len();
-    if soup.texture_corners.len() != corners || soup.texture_corners.iter().all(|&t| t == NONE) {
-        return None;
-    }
-    let values = value_numbers(&soup.texture_coordinates);
-    let value =
-        |corner: usize| values.get(soup.texture_corners[corner] as usize).copied().unwrap_or(NONE);
-    // Every side with its ends ordered by vertex: the same side of two polygons sorts together if the map agrees.
-    let mut sides: Vec<([u32; 4], u32)> = Vec::with_capacity(corners);
-    for polygon in 0..soup.polygon_count() {
-        let (first, end) = (soup.starts[polygon] as usize, soup.starts[polygon + 1] as usize);
-        for corner in first..end {
-            let next = if corner + 1 == end { first } else { corner + 1 };
-            let (a, b) = (soup.corners[corner], soup.corners[next]);
-            let (low, high) = if a <= b { (corner, next) } else { (next, corner) };
-            let key = [soup.corners[low], soup.corners[high], value(low), value(high)];
-            sides.push((key, polygon as u32));
-        }
-    }
-    sides.sort_unstable();
+    let sides = sides(soup)?;
     let mut parents: Vec<u32> = (0..soup.polygon_count() as u32).collect();
     for pair in sides.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
         let [a, b] = [pair[0].1, pair[1].1].map(|polygon| root(&mut parents, polygon));
@@ -54,6 +35,47 @@ pub fn uv_islands(soup: &Soup) -> Option<Vec<u32>> {
         }
     }
     Some(islands)
+}
+
+/// The edges along which a texture map is torn, as pairs of vertices, the smaller first, in order: sides of two polygons whose ends
+/// have other texture coordinates in the one than in the other. Inside an island too, where it is slit.
+///
+/// Compared as by [`uv_islands`]. **Gives** `None` if no corner has texture coordinates. **Costs** O(C log C).
+pub fn uv_seams(soup: &Soup) -> Option<Vec<[u32; 2]>> {
+    let sides = sides(soup)?;
+    let ends = |key: &[u32; 4]| [key[0], key[1]];
+    let mut seams = Vec::new();
+    for edge in sides.chunk_by(|(a, _), (b, _)| ends(a) == ends(b)) {
+        if edge.iter().any(|(key, _)| *key != edge[0].0) {
+            seams.push(ends(&edge[0].0));
+        }
+    }
+    Some(seams)
+}
+
+/// Every side of every polygon with its ends ordered by vertex, the numbers of their values, and its polygon, sorted: the same
+/// side of two polygons stands together if the map agrees.
+fn sides(soup: &Soup) -> Option<Vec<([u32; 4], u32)>> {
+    let corners = soup.corners.len();
+    if soup.texture_corners.len() != corners || soup.texture_corners.iter().all(|&t| t == NONE) {
+        return None;
+    }
+    let values = value_numbers(&soup.texture_coordinates);
+    let value =
+        |corner: usize| values.get(soup.texture_corners[corner] as usize).copied().unwrap_or(NONE);
+    let mut sides: Vec<([u32; 4], u32)> = Vec::with_capacity(corners);
+    for polygon in 0..soup.polygon_count() {
+        let (first, end) = (soup.starts[polygon] as usize, soup.starts[polygon + 1] as usize);
+        for corner in first..end {
+            let next = if corner + 1 == end { first } else { corner + 1 };
+            let (a, b) = (soup.corners[corner], soup.corners[next]);
+            let (low, high) = if a <= b { (corner, next) } else { (next, corner) };
+            let key = [soup.corners[low], soup.corners[high], value(low), value(high)];
+            sides.push((key, polygon as u32));
+        }
+    }
+    sides.sort_unstable();
+    Some(sides)
 }
 
 /// A number for each coordinate pair, the same for equal ones.
@@ -113,6 +135,17 @@ mod tests {
         // The second square turns away about one end of the side that it shares with the first.
         soup.texture_coordinates[7] = [0.5, 2.0];
         assert_eq!(uv_islands(&soup).unwrap(), [0, 1, 2, 2]);
+    }
+
+    #[test]
+    fn seams_are_where_the_map_is_torn_slits_included() {
+        assert_eq!(uv_seams(&strip()).unwrap(), [[4, 5]]);
+        let mut soup = strip();
+        // A vertex of the last square moves away: a slit from the end of the strip to its inside.
+        soup.texture_coordinates[12] = [13.0, -1.0];
+        assert_eq!(uv_seams(&soup).unwrap(), [[4, 5], [6, 7]]);
+        soup.texture_corners.fill(NONE);
+        assert_eq!(uv_seams(&soup), None);
     }
 
     #[test]

@@ -18,6 +18,6 @@ mod weld;
 pub use chains::chains;
 pub use cut_mesh::{CutMesh, OpenedMesh, SurfacePoint};
 pub use halfedge::{EdgeId, FaceId, HalfedgeId, Mesh, MeshError, Topology, VertexId};
-pub use islands::uv_islands;
+pub use islands::{uv_islands, uv_seams};
 pub use soup::Soup;
 pub use weld::Welder;

@@ -81,7 +81,7 @@ fn filter(pixels: &[u8], row: usize, step: usize) -> Vec<u8> {
     let mut out = Vec::with_capacity(pixels.len() + pixels.len() / row);
     let above_first = vec![0; row];
     let mut above: &[u8] = &above_first;
-    let mut tries = vec![Vec::with_capacity(row); 5];
+    let mut tries: [Vec<u8>; 5] = std::array::from_fn(|_| Vec::with_capacity(row));
     for now in pixels.chunks_exact(row) {
         for differences in &mut tries {
             differences.clear();
@@ -123,6 +123,7 @@ fn paeth(left: u8, up: u8, corner: u8) -> u8 {
 }
 
 #[cfg(test)]
+#[expect(clippy::cast_possible_truncation, reason = "made-up pixels")]
 mod tests {
     use super::*;
 

@@ -1,4 +1,4 @@
-//! Reading `cut.json` back.
+//! Cuts that files bring: `cut.json`, and the seams of a texture map.
 
 use serde::Deserialize;
 
@@ -9,7 +9,7 @@ use super::surface::Surface;
 use super::text::Problem;
 use crate::flatten::comparison::Specimen;
 use crate::flatten::flatten_sphere;
-use crate::mesh::{CutMesh, MeshError, SurfacePoint, VertexId};
+use crate::mesh::{CutMesh, MeshError, SurfacePoint, VertexId, uv_seams};
 use crate::methods::cutflow::labelled_cut;
 use crate::pattern;
 
@@ -98,6 +98,31 @@ pub fn cut_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<CutM
         Some(if sorted == ends { t } else { 1.0 - t })
     };
     Ok(labelled_cut(&surface.mesh, &surface.geometry, &labels, place))
+}
+
+/// The cut along the seams of the mesh's own texture map, exactly: along its edges, slits inside an island included. What
+/// `UV mesh (OBJ)` writes comes back as the very cut that it was written with.
+pub fn cut_from_uv(surface: &Surface) -> Result<CutMesh, Problem> {
+    let seams = uv_seams(&surface.soup).ok_or_else(|| {
+        Problem::new(
+            "The mesh has no texture coordinates to cut along.",
+            format!("{}.", surface.name),
+            "Choose another cut, or export the mesh with texture coordinates.",
+        )
+    })?;
+    let mesh = &surface.mesh;
+    let mut cut = CutMesh::uncut(mesh);
+    for [a, b] in seams {
+        let ends = [a, b].map(|v| surface.mesh_vertex(v as usize));
+        let [Some(a), Some(b)] = ends else { continue };
+        // A side of polygons that were left out, or of three that a repair parted, is no edge any more.
+        if let Some(h) = mesh.outgoing(a).find(|&h| mesh.tip(h) == b)
+            && !mesh.is_boundary_edge(h.edge())
+        {
+            cut.cut_edges.push([a.0, b.0]);
+        }
+    }
+    Ok(cut)
 }
 
 /// A closed surface without handles on the unit sphere: an OBJ with the file's vertices, in their order, and its triangles.

@@ -61,7 +61,7 @@ pub use charting::{Charting, FlattenBy};
 pub use cones::{
     ConeComparisonRow, ConePathPoint, ConeReport, ConeRow, ConeTable, ConesReport, RoundedReport,
 };
-pub use cut_file::{cut_from_json, specimen, sphere_obj, surface_layout};
+pub use cut_file::{cut_from_json, cut_from_uv, specimen, sphere_obj, surface_layout};
 pub use document::Document;
 pub use layout::Layout;
 pub use message::{

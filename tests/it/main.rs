@@ -65,5 +65,6 @@ mod surfaces;
 mod symmetries;
 mod targets;
 mod tidy;
+mod uv_seams;
 mod validity;
 mod weaknesses;

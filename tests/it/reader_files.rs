@@ -41,6 +41,8 @@ struct Files<'a> {
     /// Units of the file in one of the charts.
     chart_unit: f64,
     sheet: Option<Sheet>,
+    /// Whether the pieces unfold without distortion.
+    is_developable: bool,
 }
 
 impl Files<'_> {
@@ -63,7 +65,7 @@ impl Files<'_> {
             ("flat.obj", flat_obj(surface, charts, mm)),
             ("cut.obj", cut_obj(surface)),
             ("atlas.png", atlas.clone()),
-            ("model.json", model(surface, self.sheet.as_ref())),
+            ("model.json", self.model()),
         ];
         if let Some(sheet) = &self.sheet {
             files.push(("pattern.svg", svg(sheet)));
@@ -77,6 +79,27 @@ impl Files<'_> {
         entries.push(ZipEntry { name: "pieces/Bär.txt", bytes: b"x" });
         self.write("all.zip", &zip(&entries).unwrap());
     }
+
+    /// What the files must say, in numbers that do not come from them.
+    fn model(&self) -> Vec<u8> {
+        let surface = &self.surface;
+        let soup: &Soup = surface.soup;
+        let patches: Vec<u32> = surface.opened.face_patches.clone();
+        let mut model = json!({
+            "is_developable": self.is_developable,
+            "input_vertices": soup.positions.len(),
+            "new_points": surface.cut.points.len() - surface.mesh.vertex_count(),
+            "mm_per_unit": surface.mm_per_unit,
+            "triangles": surface.cut.triangles.len(),
+            "opened_vertices": surface.opened.mesh.vertex_count(),
+            "pieces": surface.opened.patch_count,
+            "face_pieces": patches.iter().map(|p| p + 1).collect::<Vec<_>>(),
+        });
+        if let Some(sheet) = &self.sheet {
+            model["sheet"] = sheet_model(sheet);
+        }
+        model.to_string().into_bytes()
+    }
 }
 
 fn atlas(surface: &CutSurface, charts: &[[f64; 2]]) -> Vec<u8> {
@@ -89,25 +112,6 @@ fn atlas(surface: &CutSurface, charts: &[[f64; 2]]) -> Vec<u8> {
     };
     let pixels = atlas_image(surface.opened, charts, &params);
     png([512; 2], Channels::Rgb, &pixels, None).unwrap()
-}
-
-/// What the files must say, in numbers that do not come from them.
-fn model(surface: &CutSurface, sheet: Option<&Sheet>) -> Vec<u8> {
-    let soup: &Soup = surface.soup;
-    let patches: Vec<u32> = surface.opened.face_patches.clone();
-    let mut model = json!({
-        "input_vertices": soup.positions.len(),
-        "new_points": surface.cut.points.len() - surface.mesh.vertex_count(),
-        "mm_per_unit": surface.mm_per_unit,
-        "triangles": surface.cut.triangles.len(),
-        "opened_vertices": surface.opened.mesh.vertex_count(),
-        "pieces": surface.opened.patch_count,
-        "face_pieces": patches.iter().map(|p| p + 1).collect::<Vec<_>>(),
-    });
-    if let Some(sheet) = sheet {
-        model["sheet"] = sheet_model(sheet);
-    }
-    model.to_string().into_bytes()
 }
 
 fn sheet_model(sheet: &Sheet) -> serde_json::Value {
@@ -182,6 +186,7 @@ fn write_example(folder: &Path, name: &str, example: &Example, mm_per_unit: f64)
         charts: &example.charts,
         chart_unit: 1.0,
         sheet: Some(Sheet::new(pattern, &params)),
+        is_developable: true,
     };
     files.write("input.obj", &cutflow::pattern::mesh_obj(&example.soup, None));
     files.write_all();
@@ -215,6 +220,7 @@ fn write_session(folder: &Path, name: &str, session: &mut Session, input: &[u8])
         charts: &charts,
         chart_unit: 1.0 / scale,
         sheet: Some(Sheet::new(pattern, &params)),
+        is_developable: false,
     };
     files.write("input.obj", input);
     files.write_all();

@@ -9,7 +9,7 @@ use crate::server::{Site, start};
 use crate::{dist, process, project, serve, tools};
 
 /// A browser that looks after nothing but the page under test, as any user, root included.
-const FLAGS: [&str; 7] = [
+pub const FLAGS: [&str; 7] = [
     "--headless=new",
     "--no-sandbox",
     "--disable-quic",
@@ -24,7 +24,7 @@ const DEEP: &str = "people/somebody/cutflow";
 
 /// Drives the page, as served to work on and as packed for a host, in Chromium with each graphics backend.
 pub fn test() -> Result<()> {
-    tools::browser_test_packages()?;
+    tools::npm_packages(&project::browser_tests())?;
     let chromium = tools::chromium()?;
     let host = project::target().join("host");
     dist::assemble(&host.join(DEEP))?;

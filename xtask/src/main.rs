@@ -16,6 +16,7 @@ mod debian;
 mod dist;
 mod process;
 mod project;
+mod readers;
 mod serve;
 mod server;
 mod sizes;
@@ -32,8 +33,9 @@ const HELP: &str = "\
 cargo xtask COMMAND
 
   serve [--port N] [--dist]   build the page and serve it on this machine; open the address it prints
-  test  [--quick]             everything: format, lints, native tests, wasm tests, the page in a real browser
-        [--native] [--wasm] [--browser]
+  test  [--quick]             everything: format, lints, native tests, exported files in other programs,
+                              wasm tests, the page in a real browser
+        [--native] [--readers] [--wasm] [--browser]
                               only these parts; --quick is everything that needs no browser
   build [--dist]              build www/pkg/: engine and viewer as WebAssembly
   dist  [--out DIR]           a static folder (default: dist) that works from any path of any static host

@@ -40,6 +40,11 @@ pub fn browser_tests() -> PathBuf {
     root().join("tests/browser")
 }
 
+/// The folder of what reads exported files, which is also its npm package.
+pub fn readers() -> PathBuf {
+    root().join("tests/readers")
+}
+
 /// All files in a folder and its folders, sorted. Names that start with a dot are left out.
 pub fn files_below(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();

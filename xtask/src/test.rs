@@ -7,11 +7,12 @@ use anyhow::{Result, bail};
 use crate::args::Args;
 use crate::build::{BUNDLES, Profile, build};
 use crate::compiler::WasmCompiler;
-use crate::{browser, process, project, tools};
+use crate::{browser, process, project, readers, tools};
 
 /// Which parts to run.
 pub struct Parts {
     native: bool,
+    readers: bool,
     wasm: bool,
     browser: bool,
 }
@@ -22,13 +23,14 @@ impl Parts {
         let quick = args.flag("--quick");
         let parts = Self {
             native: args.flag("--native") || quick,
+            readers: args.flag("--readers"),
             wasm: args.flag("--wasm"),
             browser: args.flag("--browser"),
         };
-        if parts.native || parts.wasm || parts.browser {
+        if parts.native || parts.readers || parts.wasm || parts.browser {
             parts
         } else {
-            Self { native: true, wasm: true, browser: true }
+            Self { native: true, readers: true, wasm: true, browser: true }
         }
     }
 }
@@ -62,6 +64,9 @@ pub fn test(parts: Parts) -> Result<()> {
         stage("format", format);
         stage("lint", lint);
         stage("native tests", native);
+    }
+    if parts.readers {
+        stage("readers", || readers::test().map(|()| Outcome::Passed));
     }
     if parts.wasm {
         stage("wasm tests", wasm);

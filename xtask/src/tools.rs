@@ -78,18 +78,63 @@ pub fn node() -> Result<()> {
     Ok(())
 }
 
-/// Makes sure of the packages that the browser tests import, exactly those of the lock file.
-pub fn browser_test_packages() -> Result<()> {
+/// Makes sure of the packages that a folder of scripts imports, exactly those of its lock file.
+pub fn npm_packages(folder: &Path) -> Result<()> {
     node()?;
-    let folder = project::browser_tests();
     // npm writes this file at the end of an installation.
     let installed = folder.join("node_modules/.package-lock.json");
     if is_newer(&installed, &folder.join("package-lock.json")) {
         return Ok(());
     }
     let mut npm = process::command("npm");
-    npm.current_dir(&folder).args(["ci", "--no-audit", "--no-fund", "--ignore-scripts"]);
-    process::run(&mut npm).context("the browser tests' npm packages could not be installed")
+    npm.current_dir(folder).args(["ci", "--no-audit", "--no-fund", "--ignore-scripts"]);
+    process::run(&mut npm)
+        .with_context(|| format!("the npm packages of {} could not be installed", folder.display()))
+}
+
+/// A Python with exactly the packages of a list, in an environment of its own.
+pub fn python(requirements: &Path) -> Result<PathBuf> {
+    let folder = project::tools().join("readers");
+    let python = folder.join("bin/python");
+    let wanted = std::fs::read_to_string(requirements)
+        .with_context(|| format!("could not read {}", requirements.display()))?;
+    // Written at the end of an installation.
+    let installed = folder.join("requirements.txt");
+    if std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted)
+        && process::ask(process::command(&python).arg("--version")).is_some()
+    {
+        return Ok(python);
+    }
+    let make = || {
+        let mut venv = process::command("python3");
+        process::run(venv.args(["-m", "venv", "--clear"]).arg(&folder))
+    };
+    // Debian has the interpreter without the module, or neither.
+    if make().is_err() {
+        debian::install(&["python3", "python3-venv"], "read exported files by other programs")?;
+        make()?;
+    }
+    let mut pip = process::command(&python);
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);
+    process::run(pip.arg(requirements))
+        .context("the readers' Python packages were not installed")?;
+    std::fs::write(&installed, wanted)
+        .with_context(|| format!("could not write {}", installed.display()))?;
+    Ok(python)
+}
+
+/// Makes sure of programs that other programs' tests call, by the packages that have them.
+pub fn programs(needed: &[(&str, &str)], why: &str) -> Result<()> {
+    let mut missing: Vec<&str> = needed
+        .iter()
+        .filter(|(program, _)| process::find(program).is_none())
+        .map(|&(_, package)| package)
+        .collect();
+    missing.dedup();
+    if !missing.is_empty() {
+        debian::install(&missing, why)?;
+    }
+    Ok(())
 }
 
 /// Chromium or Chrome.

@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cutflow::session::{
     Charting, Command, Document, Event, FlattenBy, FlattenReport, InfoReport, Layout, Outline,
-    Problem, Session, Value, cut_from_json, settings_for, sphere_obj, surface_layout,
+    Problem, Session, Value, cut_from_json, cut_from_uv, settings_for, sphere_obj, surface_layout,
 };
 
 /// Prints a line. A reader that has gone away is no error: `cutflow info mesh.obj | head -1` is a good question.
@@ -170,7 +170,8 @@ impl Shape {
 struct FlattenArgs {
     #[command(flatten)]
     mesh: MeshArgs,
-    /// A cut.json that `cutflow cut` wrote. Without it only cuts to disks are made.
+    /// A cut.json that `cutflow cut` wrote, or `uv` for the seams of the mesh's own texture coordinates. Without it only cuts to
+    /// disks are made.
     #[arg(long, value_name = "FILE")]
     cut: Option<PathBuf>,
     /// A cones.json that `cutflow cones` wrote: seams join these cones.
@@ -457,6 +458,7 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
     }
     let cut = match &args.cut {
         None => None,
+        Some(path) if path.as_os_str() == "uv" => Some(cut_from_uv(surface)?),
         Some(path) => Some(cut_from_json(surface, &path.display().to_string(), &read(path)?)?),
     };
     let clock = clock();

@@ -19,7 +19,9 @@
     reason = "indices are compared with 16 bits, vertex numbers with 2²⁴, before they are narrowed"
 )]
 
-use super::attributes::names;
+mod parts;
+
+use self::parts::{Part, materials, parts};
 use super::bytes::{FileFault, length_u32, push_singles, single};
 use super::number::exact;
 use super::obj::CutSurface;
@@ -72,38 +74,6 @@ pub fn uv_glb(
     file.write_materials(&parts);
     file.write_nodes(surface, &map, chart_unit, name, &parts, &attributes);
     file.finish()
-}
-
-/// Faces that are drawn at once.
-struct Part<'a> {
-    group: Option<&'a str>,
-    material: Option<&'a str>,
-    has_chart: bool,
-    faces: Vec<usize>,
-}
-
-/// Groups in the order of their first face, and in each its parts likewise.
-fn parts<'a>(surface: &CutSurface<'a>, map: &UvMap) -> Vec<Part<'a>> {
-    let mut parts: Vec<Part> = Vec::new();
-    let mut last = 0;
-    for (face, &patch) in surface.opened.face_patches.iter().enumerate() {
-        let has_chart = map.has_chart[patch as usize];
-        let [material, group] = names(surface, face);
-        let is_it = |part: &Part| {
-            (part.group, part.material, part.has_chart) == (group, material, has_chart)
-        };
-        // Faces of one part mostly follow each other.
-        if !parts.get(last).is_some_and(is_it) {
-            last = parts.iter().position(is_it).unwrap_or(parts.len());
-        }
-        if last == parts.len() {
-            parts.push(Part { group, material, has_chart, faces: Vec::new() });
-        }
-        parts[last].faces.push(face);
-    }
-    let groups: Vec<Option<&str>> = parts.iter().map(|part| part.group).collect();
-    parts.sort_by_key(|part| groups.iter().position(|&group| group == part.group));
-    parts
 }
 
 /// The two chunks of a GLB while they grow: JSON arrays without their brackets, and bytes.
@@ -355,18 +325,6 @@ const SMOOTH: &str =
 struct Attributes {
     common: String,
     uv: String,
-}
-
-/// Materials of the file with and without texture, in the order of their first part.
-fn materials<'a>(parts: &[Part<'a>]) -> Vec<(Option<&'a str>, bool)> {
-    let mut found = Vec::new();
-    for part in parts {
-        let material = (part.material, part.has_chart);
-        if !found.contains(&material) {
-            found.push(material);
-        }
-    }
-    found
 }
 
 /// Smallest and largest coordinates of what is written, as glTF demands for POSITION.
