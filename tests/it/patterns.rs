@@ -17,8 +17,8 @@ use cutflow::mesh::{CutMesh, FaceId, HalfedgeId, Mesh, OpenedMesh, Soup, Surface
 use cutflow::methods::cutflow::{CutFlow, CutFlowParams, Initial};
 use cutflow::methods::cutgraph::cut_to_disks;
 use cutflow::pattern::{
-    CutSurface, Notice, Partner, Pattern, Sheet, SheetParams, SvgParams, cut_json, cut_obj,
-    piece_name, svg, uv_obj,
+    BlankParams, CutSurface, LaidSurface, MarkParams, NestPose, Notice, Partner, Pattern, Placed,
+    Sheet, SheetParams, SvgParams, blanks, cut_json, cut_obj, piece_name, svg, uv_obj,
 };
 use cutflow::session::samples;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
@@ -87,8 +87,29 @@ impl Example {
             mm_per_model_unit: Some(mm_per_unit),
             ..SheetParams::default()
         };
-        drawing(&Sheet::new(self.pattern(mm_per_unit).0, &params))
+        drawing(&self.sheet(&self.pattern(mm_per_unit).0, mm_per_unit, &params))
     }
+
+    /// Outlines and marks of all pieces, as they lie in their charts.
+    pub fn sheet(&self, pattern: &Pattern, mm_per_unit: f64, params: &SheetParams) -> Sheet {
+        let Self { opened, charts, positions, .. } = self;
+        let laid = LaidSurface { opened, charts, positions, mm_per_unit };
+        plain_sheet(&laid, pattern, params)
+    }
+}
+
+/// Outlines and marks of all pieces, as they lie in their charts.
+pub fn plain_sheet(laid: &LaidSurface, pattern: &Pattern, params: &SheetParams) -> Sheet {
+    let asked = BlankParams { marks: Some(MarkParams::default()), ..BlankParams::default() };
+    let made = blanks(laid, pattern, &asked);
+    let place = |blank| Placed {
+        blank,
+        copy: [0, 1],
+        is_mirrored: false,
+        pose: NestPose::default(),
+    };
+    let placed: Vec<Placed> = (0..made.pieces.len()).map(place).collect();
+    Sheet::new(&made.pieces, &placed, &[], params)
 }
 
 fn drawing(sheet: &Sheet) -> String {
@@ -355,7 +376,7 @@ fn a_patch_without_chart_is_told_and_its_neighbours_still_name_it() {
     example.charts.iter_mut().for_each(|p| p[0] = -p[0]);
     let (pattern, notices) = example.pattern(100.0);
     assert_eq!(notices, [Notice::NoArea { patch: 0 }, Notice::NoArea { patch: 1 }]);
-    let empty = drawing(&Sheet::new(pattern, &SheetParams::default()));
+    let empty = drawing(&example.sheet(&pattern, 100.0, &SheetParams::default()));
     assert!(empty.contains("0 pieces") && !empty.contains("NaN"));
 }
 
@@ -378,7 +399,7 @@ fn an_outline_that_crosses_itself_is_told() {
         panic!("{notices:?}")
     };
     assert!(crossings >= 2);
-    let drawn = drawing(&Sheet::new(pattern, &SheetParams::default()));
+    let drawn = drawing(&strip.sheet(&pattern, 10.0, &SheetParams::default()));
     assert!(drawn.contains("outline crosses itself"));
 }
 

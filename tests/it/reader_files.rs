@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 
 use cutflow::mesh::Soup;
 use cutflow::pattern::{
-    AtlasImageParams, Channels, CutSurface, Layer, Partner, Pattern, Sheet, SheetParams, Texture,
-    ZipEntry, atlas_image, cut_obj, flat_obj, piece_name, png, svg, uv_glb, uv_obj, uv_ply, zip,
+    AstmParams, AtlasImageParams, Channels, CutSurface, DxfParams, Layer, Partner, PdfParams, Sheet,
+    SheetParams, SvgParams, SvgProfile, Texture, ZipEntry, atlas_image, cut_obj, dxf, flat_obj, pdf,
+    piece_name, png, svg, uv_glb, uv_obj, uv_ply, zip,
 };
 use cutflow::session::{Command, Session};
 use serde_json::json;
@@ -40,7 +41,7 @@ struct Files<'a> {
     charts: &'a [[f64; 2]],
     /// Units of the file in one of the charts.
     chart_unit: f64,
-    sheet: Option<Sheet>,
+    sheet: Sheet,
     /// Whether the pieces unfold without distortion.
     is_developable: bool,
 }
@@ -67,9 +68,15 @@ impl Files<'_> {
             ("atlas.png", atlas.clone()),
             ("model.json", self.model()),
         ];
-        if let Some(sheet) = &self.sheet {
-            files.push(("pattern.svg", svg(sheet)));
-        }
+        let sheet = &self.sheet;
+        let laser = SvgParams { profile: SvgProfile::Laser, ..SvgParams::default() };
+        let plain = |is_exploded| DxfParams::Plain { is_exploded, is_strict: is_exploded };
+        files.push(("pattern.svg", svg(sheet, &SvgParams::default()).unwrap()));
+        files.push(("laser.svg", svg(sheet, &laser).unwrap()));
+        files.push(("pattern.dxf", dxf(sheet, &plain(false)).unwrap()));
+        files.push(("exploded.dxf", dxf(sheet, &plain(true)).unwrap()));
+        files.push(("astm.dxf", dxf(sheet, &DxfParams::Astm(AstmParams::default())).unwrap()));
+        files.push(("pattern.pdf", pdf(sheet, &PdfParams::default()).unwrap()));
         for (name, bytes) in &files {
             self.write(name, bytes);
         }
@@ -95,9 +102,7 @@ impl Files<'_> {
             "pieces": surface.opened.patch_count,
             "face_pieces": patches.iter().map(|p| p + 1).collect::<Vec<_>>(),
         });
-        if let Some(sheet) = &self.sheet {
-            model["sheet"] = sheet_model(sheet);
-        }
+        model["sheet"] = sheet_model(&self.sheet);
         model.to_string().into_bytes()
     }
 }
@@ -185,24 +190,23 @@ fn write_example(folder: &Path, name: &str, example: &Example, mm_per_unit: f64)
         surface: CutSurface { mm_per_unit: Some(mm_per_unit), ..example.surface() },
         charts: &example.charts,
         chart_unit: 1.0,
-        sheet: Some(Sheet::new(pattern, &params)),
+        sheet: example.sheet(&pattern, mm_per_unit, &params),
         is_developable: true,
     };
     files.write("input.obj", &cutflow::pattern::mesh_obj(&example.soup, None));
     files.write_all();
 }
 
-/// A surface as a person opens it, with the cut that it has at first.
+/// A surface as a person opens it, with the cut that it has at first, made ready for a trade.
 fn write_session(folder: &Path, name: &str, session: &mut Session, input: &[u8]) {
-    let (charts, opened, points) = {
+    let sheet = session.pattern_sheet().unwrap();
+    let (charts, opened) = {
         let layout = session.layout().unwrap();
-        (layout.charts.clone(), layout.opened.clone(), layout.points.clone())
+        (layout.charts.clone(), layout.opened.clone())
     };
     let scale = session.document().unwrap().surface().unwrap().frame.scale;
     // Two centimetres for a unit of the file.
     let mm = 20.0;
-    let (pattern, _) = Pattern::new(&opened, &charts, &points, mm / scale);
-    let params = SheetParams { title: name.to_owned(), ..SheetParams::default() };
     let cut = session.layout().unwrap().cut.clone();
     let given = session.document().unwrap().surface().unwrap();
     let surface = CutSurface {
@@ -219,7 +223,7 @@ fn write_session(folder: &Path, name: &str, session: &mut Session, input: &[u8])
         surface,
         charts: &charts,
         chart_unit: 1.0 / scale,
-        sheet: Some(Sheet::new(pattern, &params)),
+        sheet,
         is_developable: false,
     };
     files.write("input.obj", input);
@@ -279,11 +283,16 @@ fn files_for_readers_that_are_not_ours() {
     let text = parts();
     let mut session = Session::new();
     assert_eq!(errors(&session.open("parts.obj", text.as_bytes())), Vec::<String>::new());
+    // Folds and glue flaps.
+    assert!(errors(&session.handle(Command::ApplyTrade { id: "paper".into() })).is_empty());
     write_session(folder, "parts", &mut session, text.as_bytes());
 
     let mut session = Session::new();
     assert!(errors(&session.handle(Command::OpenSample { name: "ball".into() })).is_empty());
     set(&mut session, "straighten", cutflow::session::Value::Truth(false));
+    // Allowance, notches, grain, smooth curves.
+    assert!(errors(&session.handle(Command::ApplyTrade { id: "garment".into() })).is_empty());
+    set(&mut session, "stock", cutflow::session::Value::Text("free".into()));
     let soup = session.document().unwrap().surface().unwrap().soup.clone();
     let input = cutflow::pattern::mesh_obj(&soup, None);
     write_session(folder, "ball", &mut session, &input);

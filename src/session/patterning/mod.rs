@@ -338,6 +338,11 @@ impl Work {
 }
 
 impl Session {
+    /// The sheet of the pattern, as every writer writes it.
+    pub fn pattern_sheet(&mut self) -> Result<Sheet, Problem> {
+        self.settled()?.sheet()
+    }
+
     /// The report of `cutflow pattern`.
     pub fn pattern_report(&mut self) -> Result<PatternReport, Problem> {
         self.settled()?.pattern_report()
