@@ -97,7 +97,10 @@ impl std::fmt::Display for SheetNotice {
         match self {
             Self::Crosses { id, crossings, at: [x, y] } => {
                 let times = if *crossings == 1 { "" } else { "s" };
-                write!(f, "the cut line \"{id}\" crosses itself or another {crossings} time{times}, ")?;
+                write!(
+                    f,
+                    "the cut line \"{id}\" crosses itself or another {crossings} time{times}, "
+                )?;
                 write!(f, "first at {x:.1}, {y:.1} mm")
             }
             Self::ZeroEdges { id, count } => {

@@ -38,10 +38,7 @@ pub(super) fn drawn(line: &Line) -> Vec<Stroke> {
         [[x, y]] if line.layer == Layer::Drill => {
             let half = 0.5 * CROSS;
             let open = |points| Stroke { points, is_closed: false };
-            vec![
-                open(vec![[x - half, y], [x + half, y]]),
-                open(vec![[x, y - half], [x, y + half]]),
-            ]
+            vec![open(vec![[x - half, y], [x + half, y]]), open(vec![[x, y - half], [x, y + half]])]
         }
         [_] => Vec::new(),
         _ => vec![Stroke { points, is_closed }],

@@ -161,7 +161,8 @@ impl Block<'_> {
         let ends = self.seam_ends();
         for contour in boundary.iter().chain(&sew).chain(&inner).chain(&cuts) {
             for (i, &point) in contour.points.iter().enumerate() {
-                let is_turn = turns(contour, i) || ends.iter().any(|&end| length(&[end, point]) < SAME);
+                let is_turn =
+                    turns(contour, i) || ends.iter().any(|&end| length(&[end, point]) < SAME);
                 self.groups.point(if is_turn { "2" } else { "3" }, point);
             }
         }
@@ -226,9 +227,8 @@ impl Block<'_> {
             (near, far, 0.0)
         } else {
             let foot = [0, 1].map(|a| 0.5 * (first[a] + last[a]));
-            let far = points.iter().max_by(|p, q| {
-                length(&[foot, **p]).total_cmp(&length(&[foot, **q]))
-            });
+            let far =
+                points.iter().max_by(|p, q| length(&[foot, **p]).total_cmp(&length(&[foot, **q])));
             (foot, far.copied().unwrap_or(last), length(&[first, last]))
         };
         let angle = (tip[1] - foot[1]).atan2(tip[0] - foot[0]).to_degrees();
@@ -260,5 +260,7 @@ fn distance(p: [f64; 2], contour: &Contour) -> f64 {
     let points = &contour.points;
     let next = points.iter().cycle().skip(1);
     let sides = points.iter().zip(next);
-    sides.map(|(&a, &b)| super::super::piece::squared_distance(p, a, b)).fold(f64::INFINITY, f64::min)
+    sides
+        .map(|(&a, &b)| super::super::piece::squared_distance(p, a, b))
+        .fold(f64::INFINITY, f64::min)
 }

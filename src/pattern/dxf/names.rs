@@ -34,7 +34,8 @@ mod tests {
 
     #[test]
     fn names_are_short_plain_and_no_two_alike() {
-        let given = ["A", "a", "Größe ½", "", "x<y>", &"long ".repeat(20), &"Long ".repeat(20), "A"];
+        let given =
+            ["A", "a", "Größe ½", "", "x<y>", &"long ".repeat(20), &"Long ".repeat(20), "A"];
         let names = unique(&given.map(str::to_owned));
         assert_eq!(&names[..5], ["A", "A_2", "GROESSE_1_2", "PIECE", "X_Y_"]);
         assert_eq!(names[6], "LONG_LONG_LONG_LONG_LONG_LONG_2"[..31]);
