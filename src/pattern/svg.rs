@@ -181,12 +181,13 @@ impl Writer<'_> {
     }
 
     fn curve(&self, out: &mut String, line: &Line) {
+        let written = |p: [f64; 2]| p.map(|x| rounded(x).to_bits());
         let mut last = line.points[0];
         self.polyline(out, &[last]);
         *out += " C";
         for &[p, q, end] in &line.curve {
             // Without length as written: nothing to draw.
-            if [p, q, end].iter().all(|r| r.map(rounded) == last.map(rounded)) {
+            if [p, q, end].map(written).iter().all(|&r| r == written(last)) {
                 continue;
             }
             for r in [p, q, end] {
@@ -270,7 +271,10 @@ fn perforated(points: &[[f64; 2]], is_closed: bool) -> Vec<Vec<[f64; 2]>> {
             let t = (arc - walked) / step;
             [0, 1].map(|a| side[0][a] + t * (side[1][a] - side[0][a]))
         };
-        while step > 0.0 {
+        if step <= 0.0 {
+            continue;
+        }
+        loop {
             match &mut open {
                 None if next <= walked + step => open = Some(vec![place(next)]),
                 Some(stroke) if next + cut <= walked + step => {

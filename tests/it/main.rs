@@ -37,6 +37,7 @@ mod pattern_flaps;
 mod pattern_folds;
 mod pattern_marks;
 mod pattern_notches;
+mod pattern_writers;
 mod patterns;
 mod phasefield;
 mod preparing;

@@ -83,7 +83,7 @@ fn piece_bounds(sheet: &Sheet, piece: usize) -> Option<Bounds> {
         let lines = lines.filter(move |line| !only_cut || line.layer == Layer::Cut);
         let points: Vec<[f64; 2]> =
             lines.flat_map(drawn).flat_map(|stroke| stroke.points).collect();
-        (!points.is_empty()).then(|| Bounds::around(points.into_iter()))
+        (!points.is_empty()).then(|| Bounds::around(points))
     };
     around(true).or_else(|| around(false))
 }

@@ -101,7 +101,7 @@ fn header(groups: &mut Groups, sheet: &Sheet, is_strict: bool) {
     let strokes = sheet.lines.iter().flat_map(drawn);
     let square = own_square(sheet).into_iter().flat_map(|square| [square.low, square.high]);
     let points: Vec<[f64; 2]> = strokes.flat_map(|stroke| stroke.points).chain(square).collect();
-    let bounds = Bounds::around(points.into_iter());
+    let bounds = Bounds::around(points);
     groups.open_section("HEADER");
     groups.word(9, "$ACADVER").word(1, "AC1009");
     groups.word(9, "$INSBASE").place(10, [0.0; 2]);

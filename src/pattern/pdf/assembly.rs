@@ -9,7 +9,7 @@ use super::PdfParams;
 use super::canvas::{Align, BLACK, Canvas, GREY, Map, PALE};
 use super::ink::Ink;
 use super::table::{Column, Text};
-use super::{letters, Orientation};
+use super::{Orientation, letters};
 
 /// The assembly sheets.
 pub(super) fn assembly(sheet: &Sheet, params: &PdfParams, page: [f64; 2]) -> Vec<Canvas> {
@@ -35,9 +35,8 @@ pub(super) fn assembly(sheet: &Sheet, params: &PdfParams, page: [f64; 2]) -> Vec
         column("Area cm²", 20.0, Align::Right),
         column("Seams", 14.0, Align::Right),
     ];
-    let mut rows: Vec<Vec<String>> = (0..sheet.pattern.pieces.len())
-        .map(|index| piece_row(sheet, params, index))
-        .collect();
+    let mut rows: Vec<Vec<String>> =
+        (0..sheet.pattern.pieces.len()).map(|index| piece_row(sheet, params, index)).collect();
     if rows.iter().all(|row| row[columns.len()].is_empty()) {
         rows.iter_mut().for_each(|row| row.truncate(columns.len()));
         text.table(&columns, &rows, 2);
@@ -84,11 +83,8 @@ fn piece_row(sheet: &Sheet, params: &PdfParams, index: usize) -> Vec<String> {
 pub(super) fn extent(sheet: &Sheet, piece: usize) -> String {
     let cuts = sheet.lines.iter().filter(|l| l.piece == Some(piece) && l.layer == Layer::Cut);
     let points: Vec<[f64; 2]> = cuts.flat_map(|line| line.points.iter().copied()).collect();
-    let bounds = if points.is_empty() {
-        sheet.pattern.pieces[piece].bounds
-    } else {
-        Bounds::around(points)
-    };
+    let bounds =
+        if points.is_empty() { sheet.pattern.pieces[piece].bounds } else { Bounds::around(points) };
     let [width, height] = [0, 1].map(|a| bounds.high[a] - bounds.low[a]);
     format!("{width:.0} × {height:.0}")
 }
@@ -121,7 +117,9 @@ fn all_pieces(canvas: &mut Canvas, sheet: &Sheet, map: Map) {
 fn number(canvas: &mut Canvas, piece: &Piece, seam: &Seam, map: Map) {
     const HEIGHT: f64 = 1.6;
     let drawn = map.scale * seam.length_mm;
-    if drawn < 8.0 || map.scale * piece.room_mm < 6.0 || piece.outlines.get(seam.outline).is_none_or(|outline| outline.points.is_empty())
+    if drawn < 8.0
+        || map.scale * piece.room_mm < 6.0
+        || piece.outlines.get(seam.outline).is_none_or(|outline| outline.points.is_empty())
     {
         return;
     }
@@ -168,7 +166,11 @@ fn seam_rows(sheet: &Sheet) -> Vec<Vec<String>> {
                 let ease = b.length_mm - a.length_mm;
                 let part = 100.0 * ease / a.length_mm.max(1e-9);
                 // Rounded so that no −0.0 is shown.
-                if ease.abs() < 0.05 { "0.0".to_owned() } else { format!("{ease:+.1} ({part:+.1} %)") }
+                if ease.abs() < 0.05 {
+                    "0.0".to_owned()
+                } else {
+                    format!("{ease:+.1} ({part:+.1} %)")
+                }
             }
             _ => "–".to_owned(),
         };

@@ -246,9 +246,9 @@ mod tests {
 
     #[test]
     fn a_text_that_is_too_wide_becomes_smaller_and_then_shorter() {
-        assert_eq!(fit("abc", 3.0, 100.0), ("abc".to_owned(), 3.0));
+        assert!(matches!(fit("abc", 3.0, 100.0), (text, 3.0) if text == "abc"));
         let (text, height) = fit("abcdefgh", 3.0, 15.0);
-        assert!(text == "abcdefgh" && height < 3.0 && height >= 2.0);
+        assert!(text == "abcdefgh" && (2.0..3.0).contains(&height));
         let (text, height) = fit("abcdefgh abcdefgh abcdefgh", 3.0, 15.0);
         assert!(text.ends_with('…') && letters::width(&text, height) <= 15.0, "{text}");
         assert_eq!(fit("abc", 3.0, 0.1).0, "…");
@@ -258,7 +258,8 @@ mod tests {
     fn bounds_are_fitted_into_others() {
         let bounds = |low, high| Bounds { low, high };
         let map = Map::fit(&bounds([0.0; 2], [200.0, 100.0]), &bounds([10.0; 2], [60.0, 60.0]));
-        assert_eq!(map.place([0.0, 0.0]), [10.0, 22.5]);
-        assert_eq!(map.place([200.0, 100.0]), [60.0, 47.5]);
+        let near = |p: [f64; 2], q: [f64; 2]| (0..2).all(|a| (p[a] - q[a]).abs() < 1e-12);
+        assert!(near(map.place([0.0, 0.0]), [10.0, 22.5]));
+        assert!(near(map.place([200.0, 100.0]), [60.0, 47.5]));
     }
 }

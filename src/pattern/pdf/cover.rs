@@ -145,13 +145,7 @@ fn map(canvas: &mut Canvas, sheet: &Sheet, grid: &Grid, x: [f64; 2], y: [f64; 2]
 }
 
 /// A sample of each kind of line that is drawn. Gives where it ends below.
-fn legend(
-    canvas: &mut Canvas,
-    sheet: &Sheet,
-    params: &PdfParams,
-    x: [f64; 2],
-    mut y: f64,
-) -> f64 {
+fn legend(canvas: &mut Canvas, sheet: &Sheet, params: &PdfParams, x: [f64; 2], mut y: f64) -> f64 {
     for layer in Layer::ALL {
         let is_drawn = sheet.lines.iter().any(|line| line.layer == layer);
         if !is_drawn || !params.layers.contains(&layer) || layer == Layer::Control {

@@ -30,7 +30,8 @@ impl Document {
 
     fn feed(&mut self, bytes: &[u8]) {
         for &byte in bytes {
-            self.hash = (self.hash ^ u128::from(byte)).wrapping_mul(0x0100_0000_0000_0000_0000_013b);
+            self.hash =
+                (self.hash ^ u128::from(byte)).wrapping_mul(0x0100_0000_0000_0000_0000_013b);
         }
     }
 
@@ -70,7 +71,9 @@ impl Document {
         let count = i32::try_from(pages.len()).unwrap_or(i32::MAX);
         pdf.pages(tree).kids(pages.iter().map(|page| page[0])).count(count);
         for (font, name) in [(plain, b"Helvetica".as_slice()), (bold, b"Helvetica-Bold")] {
-            pdf.type1_font(font).base_font(Name(name)).encoding_predefined(Name(b"WinAnsiEncoding"));
+            pdf.type1_font(font)
+                .base_font(Name(name))
+                .encoding_predefined(Name(b"WinAnsiEncoding"));
         }
         let names = Layer::ALL.iter().map(|&layer| style(layer).label).chain(["PAGE"]);
         for (&layer, name) in layers.iter().zip(names) {

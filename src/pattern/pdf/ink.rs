@@ -42,8 +42,7 @@ impl Ink {
             stroke.points.extend(joint);
             stroke.points
         };
-        let polylines: Vec<Vec<[f64; 2]>> =
-            lines().flat_map(drawn).map(around_again).collect();
+        let polylines: Vec<Vec<[f64; 2]>> = lines().flat_map(drawn).map(around_again).collect();
         let boxes: Vec<Bounds> =
             texts.filter(|text| !text.text.trim().is_empty()).map(text_box).collect();
         let mut pieces: Vec<Vec<Vec<[f64; 2]>>> = vec![Vec::new(); sheet.pattern.pieces.len()];
@@ -68,9 +67,10 @@ impl Ink {
 
     /// Whether a point lies in a piece.
     pub fn is_inside(&self, p: [f64; 2]) -> bool {
-        let near = self.pieces.iter().filter(|(bounds, _)| {
-            (0..2).all(|a| (bounds.low[a]..=bounds.high[a]).contains(&p[a]))
-        });
+        let near = self
+            .pieces
+            .iter()
+            .filter(|(bounds, _)| (0..2).all(|a| (bounds.low[a]..=bounds.high[a]).contains(&p[a])));
         near.into_iter().any(|(_, rings)| {
             let sides = rings.iter().flat_map(|ring| {
                 ring.iter().zip(ring.iter().cycle().skip(1)).map(|(&a, &b)| [a, b])

@@ -60,7 +60,8 @@ pub(super) fn marks(grid: &Grid) -> Vec<Vec<Mark>> {
                     p[axis] += aside;
                     p
                 };
-                let own = |aside| Mark { at, half, letters: letters.clone(), beside: beside(aside) };
+                let own =
+                    |aside| Mark { at, half, letters: letters.clone(), beside: beside(aside) };
                 let aside = match (is_butt, axis) {
                     (false, _) => 0.0,
                     (true, 0) => -LETTERS,

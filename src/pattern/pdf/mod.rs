@@ -23,8 +23,8 @@ mod tiles;
 use super::check::{WriteError, refuse};
 use super::sheet::{Layer, Sheet};
 use document::Document;
-pub use tiles::{Tile, tiles};
 use tile_page::TilePage;
+pub use tiles::{Tile, tiles};
 
 /// What is printed on.
 #[derive(Clone, Copy, Debug, PartialEq)]

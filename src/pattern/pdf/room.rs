@@ -16,8 +16,7 @@ pub(super) struct Room {
 
 impl Room {
     pub fn new(window: &Bounds) -> Self {
-        let [columns, rows] =
-            [0, 1].map(|a| whole((window.high[a] - window.low[a]) / CELL));
+        let [columns, rows] = [0, 1].map(|a| whole((window.high[a] - window.low[a]) / CELL));
         Self { low: window.low, columns, rows, sums: vec![0; (columns + 1) * (rows + 1)] }
     }
 
@@ -61,8 +60,7 @@ impl Room {
             for column in 1..=self.columns {
                 let at = row * width + column;
                 let before = self.sums[at - 1] + self.sums[at - width];
-                self.sums[at] =
-                    self.sums[at].saturating_add(before - self.sums[at - width - 1]);
+                self.sums[at] = self.sums[at].saturating_add(before - self.sums[at - width - 1]);
             }
         }
         let cells = whole((side / CELL).ceil());

@@ -31,14 +31,14 @@ impl TilePage<'_> {
         let mut canvas = Canvas::new();
         let shown = Bounds { low: self.tile.low, high: self.tile.high };
         let window = self.grid.window;
-        let map =
-            Map { scale: 1.0, shift: [0, 1].map(|a| window.low[a] - shown.low[a]) };
+        let map = Map { scale: 1.0, shift: [0, 1].map(|a| window.low[a] - shown.low[a]) };
         canvas.open_clip(&window);
         for (index, &layer) in Layer::ALL.iter().enumerate() {
             if !params.layers.contains(&layer) {
                 continue;
             }
-            let is_kept = |id: &str| !(self.grid.has_frame && layer == Layer::Control && is_footer(id));
+            let is_kept =
+                |id: &str| !(self.grid.has_frame && layer == Layer::Control && is_footer(id));
             let lines = sheet.lines.iter().filter(|line| line.layer == layer && is_kept(&line.id));
             let lines: Vec<&Line> = lines.filter(|line| meet(&around(line), &shown)).collect();
             let texts = sheet.texts.iter().filter(|t| t.layer == layer && is_kept(&t.id));

@@ -69,8 +69,7 @@ impl Grid {
     pub fn shown(&self, row: usize, column: usize) -> Bounds {
         let (size, step) = (self.size(), self.step());
         let from_below = (self.rows - 1 - row) as f64;
-        let low =
-            [self.low[0] + step[0] * column as f64, self.low[1] + step[1] * from_below];
+        let low = [self.low[0] + step[0] * column as f64, self.low[1] + step[1] * from_below];
         Bounds { low, high: [0, 1].map(|a| low[a] + size[a]) }
     }
 

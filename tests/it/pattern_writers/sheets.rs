@@ -77,10 +77,8 @@ pub fn round_pieces(count: usize, columns: usize, radius: f64, points: usize) ->
     };
     for index in 0..count {
         let (column, row) = (index % columns, index / columns);
-        let centre = [
-            10.0 + pitch * (column as f64 + 0.5),
-            size[1] - 10.0 - pitch * (row as f64 + 0.5),
-        ];
+        let centre =
+            [10.0 + pitch * (column as f64 + 0.5), size[1] - 10.0 - pitch * (row as f64 + 0.5)];
         add_piece(&mut sheet, index, count, centre, radius, points);
     }
     let square = vec![[10.0, 10.0], [60.0, 10.0], [60.0, 60.0], [10.0, 60.0]];
