@@ -20,14 +20,19 @@ const STEPS: usize = 12;
 /// Weights of overlapping pairs grow by factors from the first to the second, by how much they overlap; others shrink by the third.
 const WEIGHTS: [f64; 3] = [1.2, 2.0, 0.95];
 
+/// Parts that are too close move apart by this part of their size further than the gap, so that they do not come closer and closer
+/// to it without end. None has to keep that distance.
+const EASE: f64 = 3e-4;
+
 /// Parts on their way apart.
 #[derive(Clone, Debug)]
 pub(super) struct Separation {
     pub spots: Vec<Spot>,
     pub bins: Bins,
     margin: f64,
+    /// What parts move apart to.
     gap: f64,
-    /// Reaching in less than this is rounding.
+    /// By how much they may fall short of it.
     touch: f64,
     /// For pairs i < j at j (j − 1) / 2 + i.
     weights: Vec<f64>,
@@ -60,12 +65,13 @@ impl Separation {
         let n = parts.len();
         let pairs = n * n.saturating_sub(1) / 2;
         let scale = parts.iter().map(|p| p.diameter).fold(0.0, f64::max);
+        let ease = EASE * (parts.iter().map(|p| p.area).sum::<f64>() / n as f64).sqrt();
         let mut search = Self {
             spots: spots.to_vec(),
             bins,
             margin,
-            gap,
-            touch: (1e-10 * scale).min(5e-7),
+            gap: gap + ease,
+            touch: ease + (1e-10 * scale).min(5e-7),
             weights: vec![1.0; pairs],
             overlaps: vec![0.0; pairs],
             work: 0,
@@ -139,7 +145,8 @@ impl Separation {
         for j in (0..self.spots.len()).filter(|&j| j != i) {
             let weight = self.weights[pair(i, j)];
             let meeting = meeting!(self, probes, i, j, spot);
-            sum += weight * meeting.overlap(true, (most - sum) / weight, &mut work);
+            let rest = (most - sum) / weight;
+            sum += weight * meeting.overlap(true, rest * rest, &mut work).sqrt();
             if sum > most {
                 break;
             }
@@ -159,8 +166,11 @@ impl Separation {
             if !meeting.is_apart() {
                 let weight = self.weights[pair(i, j)];
                 let (overlap, along) = meeting.slope(middle, &mut work);
-                sum += weight * overlap;
-                (0..3).for_each(|k| slope[k] += weight * along[k]);
+                if overlap > 0.0 {
+                let root = overlap.sqrt();
+                sum += weight * root;
+                (0..3).for_each(|k| slope[k] += weight * along[k] * 0.5 / root);
+                }
             }
         }
         self.work += work;
@@ -281,6 +291,7 @@ impl Separation {
     /// best round.
     pub fn relax(&mut self, parts: &[Part], probes: &[Probe], rounds: usize) {
         let mut total = self.total();
+        let mut idle = 0;
         let mut best = (total, self.spots.clone());
         for _ in 0..rounds {
             if total <= 0.0 {
@@ -296,6 +307,10 @@ impl Separation {
             total = self.total();
             if total < best.0 {
                 best = (total, self.spots.clone());
+                idle = 0;
+            } else {
+                idle += 1;
+                if idle > 5 { break; }
             }
         }
         if total > best.0 {
