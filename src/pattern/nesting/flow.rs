@@ -13,11 +13,11 @@ use crate::pattern::piece::Bounds;
 /// Samples that a step looks up, about: some 60 ms.
 const WORK: u64 = 4_000_000;
 /// The stock is shortened by this part at first, and no more by less than the second.
-const SHORTER: [f64; 2] = [0.02, 0.0005];
+const SHORTER: [f64; 2] = [0.02, 0.001];
 /// Rounds without a gain after which a trial is given up.
 const PATIENCE: usize = 30;
-/// Trials given up before the stock is shortened by half as much.
-const TRIALS: usize = 3;
+/// Trials given up one after the other before it ends.
+const FAILURES: usize = 40;
 /// Rounds of pushing all parts after each round of moving single ones.
 const RELAXING: usize = 30;
 /// Above this many parts there are too many pairs to search.
@@ -381,6 +381,7 @@ impl NestFlow {
                 Ok(true) => {
         if std::env::var("DBG").is_ok() { eprintln!("\nOK step {} shorter {} cost {}", self.step, self.shorter, self.state.cost_mm); }
                     self.failures = 0;
+                    self.shorter = (self.shorter * 1.5).min(SHORTER[0]);
                     return;
                 }
                 Ok(false) => None,
@@ -407,11 +408,9 @@ impl NestFlow {
     fn give_up(&mut self) {
         if std::env::var("DBG").is_ok() { eprintln!("\nGIVE UP step {} shorter {} cost {}", self.step, self.shorter, self.state.cost_mm); }
         self.failures += 1;
-        if self.failures % TRIALS == 0 {
-            self.shorter *= 0.5;
-            if self.shorter < SHORTER[1] {
-                self.status = Status::Converged;
-            }
+        self.shorter = (self.shorter * 0.6).max(SHORTER[1]);
+        if self.failures >= FAILURES {
+            self.status = Status::Converged;
         }
     }
 
