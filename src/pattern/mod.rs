@@ -14,6 +14,7 @@
 mod attributes;
 mod json;
 mod labels;
+mod nesting;
 mod number;
 mod obj;
 mod piece;
@@ -22,6 +23,10 @@ mod sheet;
 mod svg;
 
 pub use json::cut_json;
+pub use nesting::{
+    CHECK_TOLERANCE_MM, NestFault, NestFlow, NestNotice, NestParams, NestPose, NestShape,
+    NestState, Rotations, Stock, UvPackParams, UvPacking, check, pack_uv,
+};
 pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
 pub use seam::{Partner, Seam};

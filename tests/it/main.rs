@@ -30,6 +30,7 @@ mod merging;
 mod mutation;
 mod opening;
 mod paper;
+mod pattern_nesting;
 mod patterns;
 mod phasefield;
 mod preparing;

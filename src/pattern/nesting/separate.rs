@@ -1,8 +1,8 @@
 //! Moving overlapping parts apart within stock that is a little too short.
 //!
-//! Minimises Σ wᵢⱼ Eᵢⱼ, where Eᵢⱼ adds up how far inscribed disks and points of the rim of either part reach into the other grown
-//! by the gap. Parts that overlap are moved one at a time to the best of many places, near and far, each improved by steps down the
-//! slope of length E / |∇E|² (Polyak's, which is right where E is piecewise linear and can be 0); then the weights of pairs that
+//! Minimises Σ wᵢⱼ √Eᵢⱼ, where Eᵢⱼ adds up how far inscribed disks and points of the rim of either part reach into the other grown
+//! by the gap: about an area, its root a length. The root lets few pairs overlap rather than many a little. Parts that overlap are moved one at a time to the best of many places, near and far, each improved by steps down the
+//! slope of length f / |∇f|² for f = Σ w √E (Polyak's, for what can be 0); then the weights of pairs that
 //! still overlap grow, so that no pair stays caught between others for ever. Between, all parts push one another.
 
 use super::part::{Part, Spot};
@@ -20,6 +20,8 @@ const STEPS: usize = 12;
 /// Weights of overlapping pairs grow by factors from the first to the second, by how much they overlap; others shrink by the third.
 const WEIGHTS: [f64; 3] = [1.2, 2.0, 0.95];
 
+/// Rounds of pushing that may make it worse, one after the other, before it is left.
+const IDLE: usize = 5;
 /// Parts that are too close move apart by this part of their size further than the gap, so that they do not come closer and closer
 /// to it without end. None has to keep that distance.
 const EASE: f64 = 3e-4;
@@ -167,9 +169,9 @@ impl Separation {
                 let weight = self.weights[pair(i, j)];
                 let (overlap, along) = meeting.slope(middle, &mut work);
                 if overlap > 0.0 {
-                let root = overlap.sqrt();
-                sum += weight * root;
-                (0..3).for_each(|k| slope[k] += weight * along[k] * 0.5 / root);
+                    let root = overlap.sqrt();
+                    sum += weight * root;
+                    (0..3).for_each(|k| slope[k] += 0.5 * weight * along[k] / root);
                 }
             }
         }
@@ -289,12 +291,13 @@ impl Separation {
     /// Pushes all parts apart together, as bodies that touch would: for each pair, and each way, the sample that reaches in deepest
     /// moves both parts along the field's slope, turns them where they may, until nothing reaches in or rounds are over. Keeps the
     /// best round.
-    pub fn relax(&mut self, parts: &[Part], probes: &[Probe], rounds: usize) {
+    pub fn relax(&mut self, parts: &[Part], probes: &[Probe], (rounds, work): (usize, u64)) {
+        let end = self.work + work;
         let mut total = self.total();
         let mut idle = 0;
         let mut best = (total, self.spots.clone());
         for _ in 0..rounds {
-            if total <= 0.0 {
+            if total <= 0.0 || self.work > end {
                 break;
             }
             for j in 1..parts.len() {
@@ -310,7 +313,9 @@ impl Separation {
                 idle = 0;
             } else {
                 idle += 1;
-                if idle > 5 { break; }
+                if idle > IDLE {
+                    break;
+                }
             }
         }
         if total > best.0 {
