@@ -38,6 +38,7 @@ mod pattern_folds;
 mod pattern_marks;
 mod pattern_notches;
 mod pattern_writers;
+mod pattern_nesting;
 mod patterns;
 mod phasefield;
 mod preparing;

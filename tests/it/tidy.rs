@@ -10,7 +10,7 @@ const FLOORS: &[(&str, &[&str])] = &[
     ("geometry", &["mesh", "linalg"]),
     ("methods", &["geometry", "mesh", "linalg"]),
     ("flatten", &["methods", "geometry", "mesh", "linalg"]),
-    ("pattern", &["flatten", "geometry", "mesh", "linalg"]),
+    ("pattern", &["flatten", "methods", "geometry", "mesh", "linalg"]),
     ("session", &["pattern", "flatten", "methods", "geometry", "mesh", "linalg"]),
     ("viewer", &["session::scene"]),
     ("web", &["session", "viewer"]),

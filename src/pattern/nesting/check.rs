@@ -133,9 +133,7 @@ pub fn check(
             placed.push(placed_shape);
         }
     }
-    placed.sort_by(|a, b| {
-        a.sheet.cmp(&b.sheet).then(a.bounds.low[0].total_cmp(&b.bounds.low[0]))
-    });
+    placed.sort_by(|a, b| a.sheet.cmp(&b.sheet).then(a.bounds.low[0].total_cmp(&b.bounds.low[0])));
     let mut first: Option<NestFault> = None;
     let mut order = [usize::MAX; 2];
     for (i, a) in placed.iter().enumerate() {
@@ -357,14 +355,17 @@ fn overlap(a: &Placed, b: &Placed, deepest: f64) -> Option<[f64; 2]> {
         cuts.sort_by(|(s, t), (u, v)| {
             let key = |s: &[[f64; 2]; 2], t: f64| [s[0][0], s[0][1], s[1][0], s[1][1], t];
             let (k, l) = (key(s, *t), key(u, *v));
-            k.iter().zip(l).map(|(x, y)| x.total_cmp(&y)).find(|o| o.is_ne()).unwrap_or(
-                std::cmp::Ordering::Equal,
-            )
+            k.iter()
+                .zip(l)
+                .map(|(x, y)| x.total_cmp(&y))
+                .find(|o| o.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
         });
         let is_deep = |p: &[f64; 2]| b.depth(*p) > deepest;
         // Points and sides that meet nothing.
         let all = a.sides().flat_map(|[p, q]| [p, [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]]);
-        let within = |p: &[f64; 2]| (0..2).all(|k| p[k] > b.bounds.low[k] && p[k] < b.bounds.high[k]);
+        let within =
+            |p: &[f64; 2]| (0..2).all(|k| p[k] > b.bounds.low[k] && p[k] < b.bounds.high[k]);
         if let Some(p) = all.filter(within).find(is_deep) {
             return Some(p);
         }
@@ -375,12 +376,10 @@ fn overlap(a: &Placed, b: &Placed, deepest: f64) -> Option<[f64; 2]> {
             let inner = cuts[from..to].iter().map(|&(_, t)| t.clamp(0.0, 1.0));
             let ends: Vec<f64> =
                 std::iter::once(0.0).chain(inner).chain(std::iter::once(1.0)).collect();
-            let place = |t: f64| {
-                [0, 1].map(|k| side[0][k] + t * (side[1][k] - side[0][k]))
-            };
-            let parts = ends.windows(2).flat_map(|w| {
-                [0.25, 0.5, 0.75].map(|part| place(w[0] + part * (w[1] - w[0])))
-            });
+            let place = |t: f64| [0, 1].map(|k| side[0][k] + t * (side[1][k] - side[0][k]));
+            let parts = ends
+                .windows(2)
+                .flat_map(|w| [0.25, 0.5, 0.75].map(|part| place(w[0] + part * (w[1] - w[0]))));
             if let Some(p) = parts.into_iter().filter(within).find(is_deep) {
                 return Some(p);
             }
@@ -401,8 +400,7 @@ fn inner_point(placed: &Placed) -> Option<[f64; 2]> {
     for part in [0.2713, 0.5171, 0.7639] {
         let y = low[1] + part * (high[1] - low[1]);
         let crossing = |[a, b]: [[f64; 2]; 2]| {
-            ((a[1] > y) != (b[1] > y))
-                .then(|| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
+            ((a[1] > y) != (b[1] > y)).then(|| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
         };
         let mut xs: Vec<f64> = placed.sides().filter_map(crossing).collect();
         xs.sort_by(f64::total_cmp);

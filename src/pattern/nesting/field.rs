@@ -139,8 +139,11 @@ impl Field {
         let distance = if dot(away, out) < 0.0 { -squared.sqrt() } else { squared.sqrt() };
         let slope = if WITH_SLOPE {
             // On the rim itself straight out.
-            let [along, length] =
-                if squared > 0.0 { [away, [distance; 2]] } else { [out, [dot(out, out).sqrt(); 2]] };
+            let [along, length] = if squared > 0.0 {
+                [away, [distance; 2]]
+            } else {
+                [out, [dot(out, out).sqrt(); 2]]
+            };
             [along[0] / length[0], along[1] / length[1]]
         } else {
             [0.0; 2]
@@ -201,7 +204,11 @@ fn outer_sides(outlines: &[Vec<[f64; 2]>]) -> Vec<Side> {
             // Where an outline turns back on itself both sides of its tip are outside.
             let sum = |s: [f64; 2], t: [f64; 2]| {
                 let sum = [s[0] + t[0], s[1] + t[1]];
-                if dot(sum, sum) > 1e-20 { sum } else { [-s[1], s[0]].map(|x| x * cross(s, t).signum()) }
+                if dot(sum, sum) > 1e-20 {
+                    sum
+                } else {
+                    [-s[1], s[0]].map(|x| x * cross(s, t).signum())
+                }
             };
             let out = [own, sum(before, own), sum(own, after)];
             let along = minus(proper[k][1], proper[k][0]);

@@ -2,22 +2,22 @@
 
 use super::part::{Part, Spot};
 use super::plane::Dice;
+use super::probe::Probe;
 use super::raster::{Board, fill};
 use super::room::Room;
-use super::probe::Probe;
 use super::separate::Separation;
 use super::{NestFault, NestNotice, NestParams, NestPose, NestShape, Stock, check, shelf};
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 use crate::pattern::piece::Bounds;
 
-/// Samples that a step looks up, about: some 60 ms.
-const WORK: u64 = 4_000_000;
+/// Samples that a step looks up, about: some 40 ms.
+const WORK: u64 = 3_000_000;
 /// The stock is shortened by this part at first, and no more by less than the second.
-const SHORTER: [f64; 2] = [0.02, 0.0005];
+const SHORTER: [f64; 2] = [0.02, 0.001];
 /// Rounds without a gain after which a trial is given up.
 const PATIENCE: usize = 30;
-/// Trials given up before the stock is shortened by half as much.
-const TRIALS: usize = 3;
+/// Trials given up one after the other before it ends.
+const FAILURES: usize = 40;
 /// Rounds of pushing all parts after each round of moving single ones.
 const RELAXING: usize = 30;
 /// Above this many parts there are too many pairs to search.
@@ -46,7 +46,7 @@ pub struct NestState {
 /// **Minimises** [`NestState::cost_mm`] subject to [`check`]. **Step**: the first few lay all pieces on a raster, each as low as it
 /// goes, in another order (the first takes some tenths of a second for 200 pieces); then one round or a few of moving pieces
 /// apart in stock that is too short. The state changes only where a layout is shorter and passes the check. **Ends** `Converged`
-/// where nothing can be shorter, or hundreds of trials with 1/2000 less failed; `StepLimit`. A clone is a checkpoint.
+/// where nothing can be shorter, or 40 trials in a row came to nothing; `StepLimit`. A clone is a checkpoint.
 ///
 /// ```
 /// # use cutflow::pattern::{NestFlow, NestParams, NestShape, Stock};
@@ -184,8 +184,7 @@ impl NestFlow {
             let points = self.shapes[shape].outlines.iter().flatten();
             let Bounds { low, .. } = Bounds::around(points.map(|&p| turn.apply(p)));
             let shift = low.map(|x| self.room.margin - x);
-            poses[shape] =
-                NestPose { angle, shift, is_mirrored: false, sheet, is_too_large: true };
+            poses[shape] = NestPose { angle, shift, is_mirrored: false, sheet, is_too_large: true };
             notices.push(NestNotice::TooLarge { shape });
         }
         notices.sort_by_key(|notice| match *notice {
@@ -260,9 +259,10 @@ impl NestFlow {
         if width.is_finite() {
             return vec![width];
         }
-        let widest = self.parts.iter().map(|part| {
-            part.fits.iter().map(|fit| fit.size()[0]).fold(f64::INFINITY, f64::min)
-        });
+        let widest = self
+            .parts
+            .iter()
+            .map(|part| part.fits.iter().map(|fit| fit.size()[0]).fold(f64::INFINITY, f64::min));
         let widest = widest.fold(0.0, f64::max);
         let least = (self.least_cost - 2.0 * self.room.margin).max(widest);
         [1.05, 1.12, 1.2, 1.3].map(|part| least * part).into_iter().chain([widest]).collect()
@@ -276,13 +276,18 @@ impl NestFlow {
         let height: f64 = self.parts.iter().map(|part| part.fits[0].size()[1]).sum();
         let length = (area / (0.6 * width)).max(height / count);
         let coarse = (turns as f64 * length * height / count * CELL_COST).sqrt();
-        let wanted = if self.params.resolution_mm > 0.0 {
-            self.params.resolution_mm
-        } else {
-            let extents = self.parts.iter().flat_map(|part| part.fits[0].size());
-            (area / count).sqrt().min(4.0 * extents.fold(f64::INFINITY, f64::min)) / 64.0
-        };
-        wanted.max(coarse)
+        let extents = self.parts.iter().flat_map(|part| part.fits[0].size());
+        let least = extents.fold(f64::INFINITY, f64::min);
+        if self.params.resolution_mm > 0.0 {
+            return self.params.resolution_mm.max(coarse);
+        }
+        let wanted = (area / count).sqrt().min(4.0 * least) / 64.0;
+        // Whole cells for the smallest part, its half, third, and quarter, so that equal parts lie side by side without loss.
+        let pitch = least + self.room.gap;
+        let cells = pitch / wanted.max(coarse);
+        let whole =
+            if cells < 12.0 { cells.floor().max(1.0) } else { 12.0 * (cells / 12.0).floor() };
+        pitch / whole
     }
 
     /// One stage.
@@ -336,7 +341,7 @@ impl NestFlow {
             let j = (i + 1 + self.dice.below(large - 1)) % large;
             search.swap(&self.probes, [order[i], order[j]]);
         }
-        search.relax(&self.parts, &self.probes, 4 * RELAXING);
+        search.relax(&self.parts, &self.probes, (4 * RELAXING, WORK));
         Trial { least: search.total(), search, queue: Vec::new(), rounds_without_gain: 0 }
     }
 
@@ -366,9 +371,8 @@ impl NestFlow {
                     trial.rounds_without_gain += 1;
                 }
                 trial.search.weigh();
-                if std::env::var("DBG").is_ok() { eprint!("{:.0}({}) ", total, trial.search.entangled().len()); }
                 if total > 0.0 {
-                    trial.search.relax(&self.parts, &self.probes, RELAXING);
+                    trial.search.relax(&self.parts, &self.probes, (RELAXING, WORK / 2));
                 }
                 if total > 0.0 && trial.rounds_without_gain > PATIENCE {
                     self.give_up();
@@ -384,8 +388,8 @@ impl NestFlow {
         let fault = if trial.search.is_within() {
             match self.accept(trial.search.spots.clone()) {
                 Ok(true) => {
-        if std::env::var("DBG").is_ok() { eprintln!("\nOK step {} shorter {} cost {}", self.step, self.shorter, self.state.cost_mm); }
                     self.failures = 0;
+                    self.shorter = (self.shorter * 1.5).min(SHORTER[0]);
                     return;
                 }
                 Ok(false) => None,
@@ -410,13 +414,10 @@ impl NestFlow {
     }
 
     fn give_up(&mut self) {
-        if std::env::var("DBG").is_ok() { eprintln!("\nGIVE UP step {} shorter {} cost {}", self.step, self.shorter, self.state.cost_mm); }
         self.failures += 1;
-        if self.failures % TRIALS == 0 {
-            self.shorter *= 0.5;
-            if self.shorter < SHORTER[1] {
-                self.status = Status::Converged;
-            }
+        self.shorter = (self.shorter * 0.6).max(SHORTER[1]);
+        if self.failures >= FAILURES {
+            self.status = Status::Converged;
         }
     }
 

@@ -88,7 +88,12 @@ impl Spot {
 
 impl Part {
     /// `None` where the shape fits the stock in no turn.
-    pub fn new(shape: usize, polygon: &NestShape, params: &NestParams, room: &Room) -> Option<Self> {
+    pub fn new(
+        shape: usize,
+        polygon: &NestShape,
+        params: &NestParams,
+        room: &Room,
+    ) -> Option<Self> {
         let hull = plane::convex_hull(polygon.outlines.iter().flatten().copied());
         let spread = hull.iter().map(|&p| size(minus(p, hull[0]))).fold(0.0, f64::max);
         let bounds = Bounds::around(hull.iter().copied());

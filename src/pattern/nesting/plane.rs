@@ -167,7 +167,10 @@ pub(super) fn segment_distance(s: [[f64; 2]; 2], t: [[f64; 2]; 2]) -> (f64, [f64
 }
 
 /// How often closed outlines wind around a point; exact off the outlines.
-pub(super) fn winding<'a>(outlines: impl IntoIterator<Item = &'a Vec<[f64; 2]>>, p: [f64; 2]) -> i32 {
+pub(super) fn winding<'a>(
+    outlines: impl IntoIterator<Item = &'a Vec<[f64; 2]>>,
+    p: [f64; 2],
+) -> i32 {
     let mut turns = 0;
     for [a, b] in outlines.into_iter().flat_map(|outline| sides(outline)) {
         if (a[1] <= p[1]) != (b[1] <= p[1]) {

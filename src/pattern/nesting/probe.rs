@@ -37,8 +37,9 @@ pub(super) struct Probe {
 pub(super) struct Meeting<'a> {
     pub probes: [&'a Probe; 2],
     pub spots: [&'a Spot; 2],
+    /// What parts move apart to.
     pub gap: f64,
-    /// Reaching in less than this is rounding.
+    /// By how much they may fall short of it.
     pub touch: f64,
 }
 

@@ -122,7 +122,11 @@ impl Covered {
         'rows: for y in 0..=last_y {
             let from = usize::try_from(y).unwrap_or(0);
             let beside = |j: &usize| *j + from < self.rows.len();
-            if mask.order.iter().filter(|j| beside(j)).any(|&j| self.free[from + j] < mask.longest[j])
+            if mask
+                .order
+                .iter()
+                .filter(|j| beside(j))
+                .any(|&j| self.free[from + j] < mask.longest[j])
             {
                 continue;
             }
@@ -304,11 +308,8 @@ impl Capsule {
             let x = |y: f64| {
                 if b[1] > a[1] { a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) } else { a[0] }
             };
-            let ends = if b[1] > a[1] {
-                [x(low.max(a[1])), x(high.min(b[1]))]
-            } else {
-                [a[0], b[0]]
-            };
+            let ends =
+                if b[1] > a[1] { [x(low.max(a[1])), x(high.min(b[1]))] } else { [a[0], b[0]] };
             add(ends[0].min(ends[1]), ends[0].max(ends[1]));
         }
         extent

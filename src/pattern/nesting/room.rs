@@ -100,8 +100,7 @@ impl Room {
         };
         let area: f64 = parts.iter().map(grown).sum();
         let extents = parts.iter().map(Part::least_extent);
-        let [height, side] =
-            extents.fold([0.0_f64; 2], |m, e| [0, 1].map(|k| m[k].max(e[k])));
+        let [height, side] = extents.fold([0.0_f64; 2], |m, e| [0, 1].map(|k| m[k].max(e[k])));
         let [width, full] = self.inner().map(|x| x + self.gap);
         let margins = 2.0 * self.margin;
         match self.stock {

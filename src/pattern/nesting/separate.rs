@@ -1,8 +1,8 @@
 //! Moving overlapping parts apart within stock that is a little too short.
 //!
-//! Minimises Σ wᵢⱼ Eᵢⱼ, where Eᵢⱼ adds up how far inscribed disks and points of the rim of either part reach into the other grown
-//! by the gap. Parts that overlap are moved one at a time to the best of many places, near and far, each improved by steps down the
-//! slope of length E / |∇E|² (Polyak's, which is right where E is piecewise linear and can be 0); then the weights of pairs that
+//! Minimises Σ wᵢⱼ √Eᵢⱼ, where Eᵢⱼ adds up how far inscribed disks and points of the rim of either part reach into the other grown
+//! by the gap: about an area, its root a length. The root lets few pairs overlap rather than many a little. Parts that overlap are moved one at a time to the best of many places, near and far, each improved by steps down the
+//! slope of length f / |∇f|² for f = Σ w √E (Polyak's, for what can be 0); then the weights of pairs that
 //! still overlap grow, so that no pair stays caught between others for ever. Between, all parts push one another.
 
 use super::part::{Part, Spot};
@@ -20,14 +20,21 @@ const STEPS: usize = 12;
 /// Weights of overlapping pairs grow by factors from the first to the second, by how much they overlap; others shrink by the third.
 const WEIGHTS: [f64; 3] = [1.2, 2.0, 0.95];
 
+/// Rounds of pushing that may make it worse, one after the other, before it is left.
+const IDLE: usize = 5;
+/// Parts that are too close move apart by this part of their size further than the gap, so that they do not come closer and closer
+/// to it without end. None has to keep that distance.
+const EASE: f64 = 3e-4;
+
 /// Parts on their way apart.
 #[derive(Clone, Debug)]
 pub(super) struct Separation {
     pub spots: Vec<Spot>,
     pub bins: Bins,
     margin: f64,
+    /// What parts move apart to.
     gap: f64,
-    /// Reaching in less than this is rounding.
+    /// By how much they may fall short of it.
     touch: f64,
     /// For pairs i < j at j (j − 1) / 2 + i.
     weights: Vec<f64>,
@@ -60,12 +67,13 @@ impl Separation {
         let n = parts.len();
         let pairs = n * n.saturating_sub(1) / 2;
         let scale = parts.iter().map(|p| p.diameter).fold(0.0, f64::max);
+        let ease = EASE * (parts.iter().map(|p| p.area).sum::<f64>() / n as f64).sqrt();
         let mut search = Self {
             spots: spots.to_vec(),
             bins,
             margin,
-            gap,
-            touch: (1e-10 * scale).min(5e-7),
+            gap: gap + ease,
+            touch: ease + (1e-10 * scale).min(5e-7),
             weights: vec![1.0; pairs],
             overlaps: vec![0.0; pairs],
             work: 0,
@@ -139,7 +147,8 @@ impl Separation {
         for j in (0..self.spots.len()).filter(|&j| j != i) {
             let weight = self.weights[pair(i, j)];
             let meeting = meeting!(self, probes, i, j, spot);
-            sum += weight * meeting.overlap(true, (most - sum) / weight, &mut work);
+            let rest = (most - sum) / weight;
+            sum += weight * meeting.overlap(true, rest * rest, &mut work).sqrt();
             if sum > most {
                 break;
             }
@@ -159,8 +168,11 @@ impl Separation {
             if !meeting.is_apart() {
                 let weight = self.weights[pair(i, j)];
                 let (overlap, along) = meeting.slope(middle, &mut work);
-                sum += weight * overlap;
-                (0..3).for_each(|k| slope[k] += weight * along[k]);
+                if overlap > 0.0 {
+                    let root = overlap.sqrt();
+                    sum += weight * root;
+                    (0..3).for_each(|k| slope[k] += 0.5 * weight * along[k] / root);
+                }
             }
         }
         self.work += work;
@@ -279,11 +291,13 @@ impl Separation {
     /// Pushes all parts apart together, as bodies that touch would: for each pair, and each way, the sample that reaches in deepest
     /// moves both parts along the field's slope, turns them where they may, until nothing reaches in or rounds are over. Keeps the
     /// best round.
-    pub fn relax(&mut self, parts: &[Part], probes: &[Probe], rounds: usize) {
+    pub fn relax(&mut self, parts: &[Part], probes: &[Probe], (rounds, work): (usize, u64)) {
+        let end = self.work + work;
         let mut total = self.total();
+        let mut idle = 0;
         let mut best = (total, self.spots.clone());
         for _ in 0..rounds {
-            if total <= 0.0 {
+            if total <= 0.0 || self.work > end {
                 break;
             }
             for j in 1..parts.len() {
@@ -296,6 +310,12 @@ impl Separation {
             total = self.total();
             if total < best.0 {
                 best = (total, self.spots.clone());
+                idle = 0;
+            } else {
+                idle += 1;
+                if idle > IDLE {
+                    break;
+                }
             }
         }
         if total > best.0 {

@@ -73,7 +73,9 @@ pub fn pack_uv(shapes: &[NestShape], params: &UvPackParams) -> Result<UvPacking,
         .map(|shape| {
             let outlines = shape.outlines.iter();
             NestShape {
-                outlines: outlines.map(|o| o.iter().map(|p| p.map(|x| x * unit)).collect()).collect(),
+                outlines: outlines
+                    .map(|o| o.iter().map(|p| p.map(|x| x * unit)).collect())
+                    .collect(),
                 upright: 0.0,
                 may_mirror: false,
             }
