@@ -33,9 +33,8 @@ mod labels;
 mod laid;
 mod marks;
 mod moved;
-mod nesting;
+pub mod nesting;
 pub mod notches;
-mod nesting;
 mod number;
 mod obj;
 mod pdf;
@@ -70,11 +69,6 @@ pub use kerf::{kerf};
 pub use laid::{LaidSurface};
 pub use marks::{Dart, Mark, MarkKind, MarkParams, darts, marks};
 pub use nesting::{CHECK_TOLERANCE_MM, NestFault, NestFlow, NestNotice, NestParams, NestPose, NestShape, NestState, Rotations, Stock, UvPackParams, UvPacking, pack_uv};
-pub use json::cut_json;
-pub use nesting::{
-    CHECK_TOLERANCE_MM, NestFault, NestFlow, NestNotice, NestParams, NestPose, NestShape,
-    NestState, Rotations, Stock, UvPackParams, UvPacking, check, pack_uv,
-};
 pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
 pub use pdf::{Orientation, Paper, PdfParams, Picture, PieceNote, Tile, pdf, tiles};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};

@@ -4,9 +4,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use cutflow::flatten::{self, pack};
 use cutflow::methods::flow::{Flow, SolveError, Status};
+use cutflow::pattern::nesting::check;
 use cutflow::pattern::{
     CHECK_TOLERANCE_MM, NestFault, NestFlow, NestNotice, NestParams, NestPose, NestShape,
-    Rotations, Stock, UvPackParams, check, pack_uv,
+    Rotations, Stock, UvPackParams, pack_uv,
 };
 use nalgebra::Point2;
 
