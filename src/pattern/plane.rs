@@ -19,8 +19,14 @@ pub(super) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
+/// By a plain root: millimetres neither overflow nor underflow when squared, and this is asked millions of times.
 pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+    squared(a, b).sqrt()
+}
+
+pub(super) fn squared(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let d = minus(a, b);
+    dot(d, d)
 }
 
 /// A quarter turn to the right: out of a piece that lies on the left.
@@ -56,9 +62,14 @@ pub(super) fn between(s: [[f64; 2]; 2], t: [[f64; 2]; 2]) -> (f64, [[f64; 2]; 2]
         [nearest(c, a, b).0, c],
         [nearest(d, a, b).0, d],
     ];
-    let far = |pair: &[[f64; 2]; 2]| distance(pair[0], pair[1]);
-    let best = pairs.into_iter().min_by(|x, y| far(x).total_cmp(&far(y))).unwrap_or(pairs[0]);
-    (far(&best), best)
+    let mut best = (f64::INFINITY, pairs[0]);
+    for pair in pairs {
+        let far = squared(pair[0], pair[1]);
+        if far < best.0 {
+            best = (far, pair);
+        }
+    }
+    (best.0.sqrt(), best.1)
 }
 
 /// Where two segments meet, as places 0 … 1 on both; none where they are parallel.

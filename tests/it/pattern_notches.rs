@@ -104,7 +104,7 @@ fn both_sides_carry_the_notches_at_the_same_points_of_the_surface() {
                             let far = (at[0] - p[0][0]).hypot(at[1] - p[0][1]);
                             let rest = (p[1][0] - at[0]).hypot(p[1][1] - at[1]);
                             gone += side;
-                            (far + rest - side < 1e-9).then(|| gone - side + far)
+                            (far + rest - side < 1e-9).then_some(gone - side + far)
                         });
                         places.push(seam.shared_arc(found.unwrap()));
                     }

@@ -7,7 +7,7 @@ use super::strips::Strip;
 use crate::flatten::overlap;
 use crate::pattern::Piece;
 use crate::pattern::grid::Grid;
-use crate::pattern::plane::{along, between, distance, meeting, minus, nearest, winding};
+use crate::pattern::plane::{along, between, distance, dot, meeting, minus, nearest, winding};
 
 /// Crossings less deep than this are rounding, mm.
 pub(super) const DEPTH_MM: f64 = 1e-3;
@@ -95,7 +95,8 @@ fn crossings(piece: &Piece, cut: &[Vec<[f64; 2]>], notices: &mut Vec<CutNotice>)
     }
     // Without crossings one point of the outer outline tells for all of it.
     let outside = cut.first().and_then(|outer| {
-        let mut points = piece.outlines.first()?.points.iter();
+        // Crossings are known: some of the points tell as much as all.
+        let mut points = piece.outlines.first()?.points.iter().step_by(16);
         points.find(|&&p| {
             let off = |(a, b)| distance(nearest(p, a, b).0, p);
             winding(outer, p) == 0
@@ -148,8 +149,11 @@ fn crowded(piece: &Piece, all: &[&Strip], grid: &Grid, widest: f64) -> Option<Cu
                 if strip.outline == other.outline && way <= FACING * w.max(other.least()) {
                     return;
                 }
-                let reached = distance(nearest(foot, a, b).0, foot);
-                if reached < other.least() - COVERED_MM || meeting([at, foot], [a, b]).is_some() {
+                // Its strip lies on its outer side only: a thin neck hides the side beyond.
+                let (q, _) = nearest(foot, a, b);
+                let is_covered = distance(q, foot) < other.least() - COVERED_MM
+                    && dot(other.normal, minus(foot, q)) > 0.0;
+                if is_covered || meeting([at, foot], [a, b]).is_some() {
                     let far = distance(place, at);
                     gap = Some(gap.map_or(far, |g| g.min(far)));
                 }

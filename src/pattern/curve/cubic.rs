@@ -1,6 +1,6 @@
 //! One cubic Bézier curve.
 
-use crate::pattern::plane::{along, distance, dot, minus, nearest};
+use crate::pattern::plane::{along, distance, dot, minus, nearest, squared};
 
 /// Start, two control points, end.
 pub(super) type Cubic = [[f64; 2]; 4];
@@ -63,12 +63,12 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// The points of a polyline, weight 2, and the middles of its sides, weight 1.
-    pub fn of(points: &[[f64; 2]]) -> Self {
+    /// The points of a polyline, and the middles of its sides with weight 1.
+    pub fn of(points: &[[f64; 2]], weight: f64) -> Self {
         let mut samples = Self { places: Vec::new(), weights: Vec::new() };
         for (i, &p) in points.iter().enumerate() {
             samples.places.push(p);
-            samples.weights.push(2.0);
+            samples.weights.push(weight);
             if let Some(&q) = points.get(i + 1) {
                 samples.places.push(along(p, 0.5, minus(q, p)));
                 samples.weights.push(1.0);
@@ -134,10 +134,10 @@ fn handles(samples: &Samples, ts: &[f64], [u, v]: [[f64; 2]; 2], total: f64) -> 
 }
 
 /// The worst distances between a cubic and the polyline that it stands for: the point of the polyline that is farthest off (its
-/// index and distance), and the farthest that the curve is off. Never smaller than they are, but for what lies between samples
-/// a hundredth of the tolerance apart.
+/// index and distance), and the farthest that the curve is off (not looked for if the first is beyond the tolerance). Never smaller than they are, but for what lies between samples
+/// a fiftieth of the tolerance off their chords.
 pub(super) fn errors(c: &Cubic, points: &[[f64; 2]], tolerance: f64) -> (usize, f64, f64) {
-    let parts = (2 * chords(c, 0.01 * tolerance)).max(8);
+    let parts = chords(c, 0.02 * tolerance).max(8);
     let curve: Vec<[f64; 2]> =
         (0..=parts).map(|k| point(c, f64::from(k) / f64::from(parts))).collect();
     let (arcs, other) = (shares(points), shares(&curve));
@@ -147,6 +147,9 @@ pub(super) fn errors(c: &Cubic, points: &[[f64; 2]], tolerance: f64) -> (usize, 
         if off > worst.1 {
             worst = (i, off);
         }
+    }
+    if worst.1 > tolerance {
+        return (worst.0, worst.1, 0.0);
     }
     let back = curve.iter().zip(&other).map(|(&p, &share)| off(p, share, points, &arcs));
     (worst.0, worst.1, back.fold(0.0, f64::max))
@@ -168,5 +171,6 @@ fn off(p: [f64; 2], share: f64, points: &[[f64; 2]], shares: &[f64]) -> f64 {
     let from = shares.partition_point(|&s| s < share - STRETCH).saturating_sub(1);
     let to = (shares.partition_point(|&s| s <= share + STRETCH) + 1).min(points.len());
     let sides = points[from..to].windows(2);
-    sides.map(|s| distance(nearest(p, s[0], s[1]).0, p)).fold(f64::INFINITY, f64::min)
+    let least = sides.map(|s| squared(nearest(p, s[0], s[1]).0, p)).fold(f64::INFINITY, f64::min);
+    least.sqrt()
 }

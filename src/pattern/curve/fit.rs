@@ -28,6 +28,10 @@ const CHORD_MM: f64 = 0.05;
 const LENGTH_MM: f64 = 0.05;
 /// A part that is too long or too short is fitted again with half the tolerance, so many times.
 const FINER: usize = 4;
+/// Of points, against 1 for middles of sides: with 2 a circle is as long as its polygon to fourth order, away from its ends.
+const WEIGHT: f64 = 2.0;
+/// Tries with other weights, if the length is not far off.
+const BALANCING: usize = 6;
 
 /// A stretch between two corners.
 struct Part {
@@ -133,14 +137,24 @@ impl Part {
             if own.len() < 3 || !(finer > 0.0) {
                 break;
             }
-            let mut curve = Vec::new();
-            if !divide(&own, self.smooth, finer, &mut curve) {
-                break;
-            }
-            let error = curve.iter().map(length).sum::<f64>() - long;
-            if error.abs() <= per_mm * long {
-                self.curve = curve;
-                return;
+            // The more the points weigh against the middles of sides, the farther out the curve lies in bends, and the longer it
+            // is: halved between bounds until its length is right.
+            let (mut weight, mut bounds) = (WEIGHT, [WEIGHT / 16.0, WEIGHT * 64.0]);
+            for _ in 0..BALANCING {
+                let mut curve = Vec::new();
+                if !divide(&own, self.smooth, (finer, weight), &mut curve) {
+                    break;
+                }
+                let error = (curve.iter().map(length).sum::<f64>() - long) / (per_mm * long);
+                if error.abs() <= 1.0 {
+                    self.curve = curve;
+                    return;
+                }
+                if error.abs() > 20.0 {
+                    break;
+                }
+                bounds[usize::from(error > 0.0)] = weight;
+                weight = (bounds[0] * bounds[1]).sqrt();
             }
             finer *= 0.5;
         }
@@ -169,7 +183,7 @@ impl Part {
 fn divide(
     points: &[[f64; 2]],
     smooth: [Option<[f64; 2]>; 2],
-    tolerance: f64,
+    (tolerance, weight): (f64, f64),
     curve: &mut Vec<Cubic>,
 ) -> bool {
     let n = points.len();
@@ -179,7 +193,7 @@ fn divide(
     else {
         return false;
     };
-    let cubic = fitted(&Samples::of(points), [u, v.map(|x| -x)]);
+    let cubic = fitted(&Samples::of(points, weight), [u, v.map(|x| -x)]);
     let (worst, off, back) = errors(&cubic, points, tolerance);
     if off.max(back) <= tolerance {
         curve.push(cubic);
@@ -192,8 +206,8 @@ fn divide(
     let least = (n / 8).max(1);
     let at = if off >= 0.5 * back { worst } else { n / 2 }.clamp(least, n - 1 - least);
     let Some(middle) = tangent(points, false, at) else { return false };
-    divide(&points[..=at], [smooth[0].or(Some(u)), Some(middle)], tolerance, curve)
-        && divide(&points[at..], [Some(middle), smooth[1].or(Some(v))], tolerance, curve)
+    divide(&points[..=at], [smooth[0].or(Some(u)), Some(middle)], (tolerance, weight), curve)
+        && divide(&points[at..], [Some(middle), smooth[1].or(Some(v))], (tolerance, weight), curve)
 }
 
 /// Direction of the parabola through a point and its neighbours; at an end through the two next ones.

@@ -1,8 +1,8 @@
 //! Smooth curves through outlines: cubic Béziers within a stated tolerance, in place of hundreds of short sides.
 //!
 //! A polyline is divided at its corners; each part becomes one or more cubics that join smoothly. Each cubic solves
-//! min Σ wᵢ |B(tᵢ) − pᵢ|² over the lengths of its two handles, whose directions are given, with the points of the polyline (weight 2) and the middles of
-//! its sides (weight 1): with these weights the length of a fitted circle is that of its polygon to fourth order. Where the
+//! min Σ wᵢ |B(tᵢ) − pᵢ|² over the lengths of its two handles, whose directions are given, with the points of the polyline and the middles of
+//! its sides, weighted so that the curve gets the length of the polyline. Where the
 //! tolerance is not met the part is divided at its worst point and fitted again.
 //!
 //! Guaranteed, because measured before a curve is given back: every point of the polyline lies within the tolerance of the curve and
