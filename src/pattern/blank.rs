@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use super::allowance::{AllowanceParams, CutLines, cut_lines, darts, draw_darts};
+use super::allowance::{AllowanceParams, CutLines, cut_lines, darts, draw_clips, draw_darts};
 use super::curve::{corners, fit, turns};
 use super::flaps::{Flap, FlapParams, cut_with_flaps, flap_labels, flaps};
 use super::folds::{Fold, FoldParams, fold_layer, folds};
@@ -160,6 +160,9 @@ impl Maker<'_> {
                 let legs = draw_darts(0, piece, &darts(piece, &widths));
                 // Tips are among the marks.
                 self.take(legs.into_iter().filter(|line| line.layer == Layer::Internal));
+                if self.params.marks.is_some() {
+                    self.take(draw_clips(0, piece, &widths, &cut));
+                }
             }
             cut
         };
