@@ -28,21 +28,21 @@ pub(super) fn millimetres(out: &mut String, x: f64) {
     if x < 0.0 && units > 0 {
         out.push('-');
     }
-    let mut digits = [b'0'; 20];
-    let mut first = digits.len();
-    let mut rest = whole;
-    while rest > 0 || first == digits.len() {
-        first -= 1;
-        digits[first] = b"0123456789"[(rest % 10) as usize];
-        rest /= 10;
+    let digit = |x: u64| char::from(b'0' + u8::try_from(x % 10).unwrap_or(0));
+    let mut place = 1;
+    while whole / place >= 10 {
+        place *= 10;
     }
-    out.extend(digits[first..].iter().map(|&b| char::from(b)));
+    while place > 0 {
+        out.push(digit(whole / place));
+        place /= 10;
+    }
     let mut place = 1000;
     if part > 0 {
         out.push('.');
     }
     while part > 0 {
-        out.push(char::from(b"0123456789"[(part / place) as usize]));
+        out.push(digit(part / place));
         part %= place;
         place /= 10;
     }
