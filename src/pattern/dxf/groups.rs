@@ -1,6 +1,6 @@
 //! Pairs of code and value, two lines each.
 
-use crate::pattern::drawn::rounded;
+use crate::pattern::number::millimetres;
 use crate::pattern::transliterate::to_ascii;
 
 /// Longest string of release 12.
@@ -18,8 +18,19 @@ impl Groups {
     }
 
     pub fn word(&mut self, code: u16, value: &str) -> &mut Self {
-        self.out += &format!("{code:>3}\r\n{value}\r\n");
+        self.code(code);
+        self.out += value;
+        self.out += "\r\n";
         self
+    }
+
+    /// Right-aligned in three columns.
+    fn code(&mut self, code: u16) {
+        for (limit, digit) in [(100, 100), (10, 10), (0, 1)] {
+            let digit = char::from_digit(u32::from(code / digit % 10), 10).unwrap_or('0');
+            self.out.push(if code >= limit { digit } else { ' ' });
+        }
+        self.out += "\r\n";
     }
 
     /// A string of the user's, in ASCII.
@@ -35,10 +46,14 @@ impl Groups {
 
     /// Fixed point, four decimals at most, one at least.
     pub fn number(&mut self, code: u16, value: f64) -> &mut Self {
-        let text = format!("{:.4}", rounded(value));
-        let short = text.trim_end_matches('0');
-        let short = if short.ends_with('.') { &text[..=short.len()] } else { short };
-        self.word(code, short)
+        self.code(code);
+        let from = self.out.len();
+        millimetres(&mut self.out, value);
+        if !self.out[from..].contains('.') {
+            self.out += ".0";
+        }
+        self.out += "\r\n";
+        self
     }
 
     /// A place, its codes from `code` in steps of ten, with height 0.
