@@ -394,7 +394,7 @@ const handlers = {
   },
   error(event) {
     showSamples();
-    error.show(event, true);
+    if (!workshop.refuse(event)) error.show(event, true);
   },
   scene() {},
 };

@@ -86,7 +86,12 @@ impl Session {
         work.history = target.history;
         work.start = target.start;
         work.first_cut_is_due = target.first_cut_is_due;
+        let allowances = target.seam_allowances;
         self.install(work, events);
-        Ok(())
+        if let Some(work) = &mut self.work {
+            work.seam_allowances = allowances;
+            work.drop_pattern();
+        }
+        self.tell_pattern(events)
     }
 }

@@ -114,6 +114,8 @@ pub(super) struct Snapshot {
     pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
     pub start: Option<Vec<Row>>,
+    /// Allowances of single seams.
+    pub seam_allowances: BTreeMap<usize, f64>,
     /// What had been done until then.
     pub log: Log,
     pub was_running: bool,
@@ -253,6 +255,7 @@ impl Work {
             first_cut_is_due: self.first_cut_is_due,
             history: self.history.clone(),
             start: self.start.clone(),
+            seam_allowances: self.seam_allowances.clone(),
             log: Log::default(),
             was_running: false,
         }

@@ -38,6 +38,7 @@ mod pattern_folds;
 mod pattern_marks;
 mod pattern_nesting;
 mod pattern_notches;
+mod pattern_sessions;
 mod pattern_writers;
 mod patterns;
 mod phasefield;

@@ -12,6 +12,8 @@ export const PATTERN = "Pattern: ";
 const ZOOM = 1.5;
 const ZOOM_RANGE = [1, 40];
 
+const WAITING = "Making the pattern …";
+
 const mm = (length) => `${fixed(length, length < 10 ? 1 : 0)}\u00a0mm`;
 
 /**
@@ -25,7 +27,7 @@ export function patternPanel(on) {
   const pages = s("svg", { class: "pages", "aria-hidden": "true" });
   const board = h("div", { class: "board" }, picture, pages);
   sheet.append(board);
-  const facts = h("p", { class: "facts", role: "status" });
+  const facts = h("p", { class: "facts", "aria-live": "polite" }, WAITING);
   const notices = h("ul", { class: "told", "aria-label": "Notices" });
   const pieces = h("tbody");
   const seams = h("tbody");
@@ -53,7 +55,7 @@ export function patternPanel(on) {
       h("button", { type: "button", class: "icon", "aria-label": "Close", title: "Close (Esc)", onclick: () => dialog.close() }, icon("close"))),
     h("div", { class: "ask" }, h("fieldset", { class: "presets", "aria-label": "Trade" }, h("legend", {}, "For"), trades), sizeHost, settings),
     h("div", { class: "see" },
-      h("div", { class: "head" }, facts, h("span", { class: "grow" }), nest, pageSwitch, zoomOut, zoomIn, zoomFit),
+      h("div", { class: "over" }, facts, h("span", { class: "grow" }), nest, pageSwitch, zoomOut, zoomIn, zoomFit),
       sheet,
       h("div", { class: "lists" }, notices,
         table("Pieces", ["Piece", "Size", "Area", "Cut", "Stretch and bend"], pieces),
@@ -88,11 +90,11 @@ export function patternPanel(on) {
     if (!shown || !isOn) return;
     const [width, height] = shown.report.sheet_mm;
     pages.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    const letters = Math.max(width, height) / 40;
+    const letters = Math.max(width, height) / 16;
     for (const { name, frame: [x, y, w, tall] } of shown.pages) {
       pages.append(
         s("rect", { x, y, width: w, height: tall, "vector-effect": "non-scaling-stroke" }),
-        s("text", { x: x + letters / 2, y: y + letters * 1.2, "font-size": letters }, name),
+        s("text", { x: x + w / 2, y: y + tall / 2, "font-size": letters }, name),
       );
     }
   }
@@ -119,7 +121,7 @@ export function patternPanel(on) {
       h("td", {}, first === second ? `${first} to itself` : `${first} to ${second}`),
       h("td", {}, mm(seam.length_mm)),
       h("td", {}, Math.abs(ease) < 0.05 ? "none" : `${fixed(ease, 1)}\u00a0mm`),
-      h("td", { class: "num" }, input, h("span", {}, "mm")));
+      h("td", { class: "own" }, input, " mm"));
   }
 
   function pieceRow({ name, size_mm: [width, height], area_mm2: area, copies: [plain, mirrored], hint }) {
@@ -199,9 +201,15 @@ export function patternPanel(on) {
       else layOut();
       showPages();
     },
+    /** Takes an `error` event, which would be hidden behind. Gives whether it was shown. */
+    refuse({ what, what_to_do }) {
+      if (isOpen) showNotices([`${what} ${what_to_do}`]);
+      return isOpen;
+    },
     /** Forgets the sheet of another mesh. */
     clear() {
       shown = null;
+      write(facts, WAITING);
       picture.removeAttribute("src");
       pages.replaceChildren();
     },

@@ -92,7 +92,7 @@ fn summary(sheet: &Sheet, params: &PdfParams, grid: &Grid) -> String {
 
 /// How pages are joined.
 fn joining(params: &PdfParams, grid: &Grid) -> &'static [&'static str] {
-    if !grid.has_frame || grid.rows * grid.columns < 2 {
+    if !grid.is_joined || grid.rows * grid.columns < 2 {
         &[]
     } else if params.overlap_mm > 0.0 {
         &[

@@ -28,6 +28,9 @@ pub(super) const LETTER_HEIGHT: f64 = LETTERS;
 /// The marks of each printed page, in the order of [`Grid::tiles`]. Only where the page across is printed.
 pub(super) fn marks(grid: &Grid) -> Vec<Vec<Mark>> {
     let tiles = grid.tiles();
+    if !grid.is_joined {
+        return tiles.iter().map(|_| Vec::new()).collect();
+    }
     let mut out: Vec<Vec<Mark>> = tiles.iter().map(|_| Vec::new()).collect();
     let index = |row: usize, column: usize| {
         tiles.iter().position(|tile| (tile.row, tile.column) == (row, column))

@@ -54,6 +54,8 @@ pub(super) struct Grid {
     pub is_printed: Vec<bool>,
     /// Whether pages have frames, marks and bands: not if there is one page, the sheet itself.
     pub has_frame: bool,
+    /// Whether pages are to be joined: not if each shows a sheet of stock of its own.
+    pub is_joined: bool,
 }
 
 impl Grid {
@@ -171,6 +173,47 @@ pub fn tiles(sheet: &Sheet, params: &PdfParams) -> Result<Vec<Tile>, WriteError>
     Ok(grid(sheet, params)?.tiles())
 }
 
+/// A page for each sheet of stock, where one fits on a page.
+fn by_stock(sheet: &Sheet, params: &PdfParams) -> Option<Grid> {
+    let first = sheet.frames.first()?;
+    let size = |frame: &Bounds| [0, 1].map(|a| frame.high[a] - frame.low[a]);
+    let [width, height] = size(first);
+    let is_like = |frame: &Bounds| {
+        let [w, h] = size(frame);
+        (w - width).abs() < 1e-6 && (h - height).abs() < 1e-6
+    };
+    // From one to the next: they stand side by side.
+    let step = sheet.frames.get(1).map_or(0.0, |second| second.low[0] - first.low[0]);
+    let margin = params.margin_mm;
+    let furniture = [2.0 * margin, 2.0 * margin + BAND];
+    let upright = params.paper.size([width, height], furniture);
+    let pages = params.orientation.pages(params.paper, upright, [width, height], furniture);
+    let fits = |page: &[f64; 2]| {
+        page[0] - furniture[0] >= width - 1e-6 && page[1] - furniture[1] >= height - 1e-6
+    };
+    let page = pages.into_iter().find(fits)?;
+    let columns = sheet.frames.len();
+    (sheet.frames.iter().all(is_like) && columns <= MOST_PAGES).then(|| {
+        let window =
+            Bounds { low: [margin; 2], high: [page[0] - margin, page[1] - margin - BAND] };
+        let room = size(&window);
+        Grid {
+            page,
+            window,
+            overlap: if columns > 1 { room[0] - step } else { 0.0 },
+            columns,
+            rows: 1,
+            low: [
+                first.low[0] - 0.5 * (room[0] - width),
+                first.low[1] - 0.5 * (room[1] - height),
+            ],
+            is_printed: vec![true; columns],
+            has_frame: true,
+            is_joined: false,
+        }
+    })
+}
+
 pub(super) fn grid(sheet: &Sheet, params: &PdfParams) -> Result<Grid, WriteError> {
     super::super::check::refuse(sheet)?;
     if params.paper == Paper::OnePage && sheet.size.iter().all(|&x| x <= LONGEST) {
@@ -183,7 +226,11 @@ pub(super) fn grid(sheet: &Sheet, params: &PdfParams) -> Result<Grid, WriteError
             low: [0.0; 2],
             is_printed: vec![true],
             has_frame: false,
+            is_joined: false,
         });
+    }
+    if let Some(grid) = by_stock(sheet, params) {
+        return Ok(grid);
     }
     let ink = Ink::new(sheet, &params.layers, false);
     let low = ink.bounds.low.map(|x| x - AROUND);
@@ -222,6 +269,7 @@ pub(super) fn grid(sheet: &Sheet, params: &PdfParams) -> Result<Grid, WriteError
                 low: [low[0] - x * slack[0], low[1] - y * slack[1]],
                 is_printed: Vec::new(),
                 has_frame: true,
+                is_joined: true,
             };
             grid.choose(&ink, params.keep_inner_pages);
             let count = grid.count();

@@ -312,7 +312,7 @@ pub fn trades() -> Vec<Trade> {
                 ("gap", number(4.0)),
                 ("stock", text("sheet")),
                 ("stock_width", number(190.0)),
-                ("stock_height", number(277.0)),
+                ("stock_height", number(265.0)),
                 ("stock_margin", number(0.0)),
                 ("page_overlap", number(0.0)),
             ],
