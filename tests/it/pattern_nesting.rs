@@ -77,7 +77,7 @@ fn at(x: f64, y: f64) -> NestPose {
 #[test]
 fn a_nest_keeps_the_contract_of_flows() {
     let shapes = blobs(6, 40);
-    let sheet = Stock::Sheet { width_mm: 300.0, height_mm: 250.0, most: 9 };
+    let sheet = Stock::Sheet { width_mm: 400.0, height_mm: 300.0, most: 9 };
     for (stock, rotations) in [
         (Stock::Roll { width_mm: 400.0 }, Rotations::Woven),
         (sheet, Rotations::Cross),
@@ -236,7 +236,7 @@ fn small_squares_and_corners_fill_the_roll_at_the_first_step() {
 fn triangles_find_their_partners() {
     let triangles = vec![shape([[0.0, 0.0], [30.0, 0.0], [0.0, 30.0]]); 8];
     let params = tight(Stock::Roll { width_mm: 60.0 });
-    let flow = run(&triangles, &params, 40);
+    let flow = run(&triangles, &params, 150);
     // The optimum is 60 mm, each row of rest would be 30 more: within 2 % of it, because the search keeps a hair of air.
     assert!(flow.state().cost_mm < 61.2, "{}", flow.state().cost_mm);
     assert!(flow.state().cost_mm >= 60.0 - 1e-6, "no layout can be shorter");
@@ -362,6 +362,7 @@ fn parameters_out_of_range_are_refused() {
     refused(NestParams { gap_mm: -1.0, ..roll(100.0) }, "gap_mm");
     refused(NestParams { margin_mm: f64::NAN, ..roll(100.0) }, "margin_mm");
     refused(NestParams { margin_mm: 50.0, ..roll(100.0) }, "width_mm");
+    refused(roll(f64::INFINITY), "width_mm");
     refused(NestParams { rotations: Rotations::Steps(0.0), ..roll(100.0) }, "rotation steps");
     let sheet = Stock::Sheet { width_mm: 100.0, height_mm: 10.0, most: 1 };
     refused(NestParams { stock: sheet, ..NestParams::default() }, "height_mm");
@@ -391,7 +392,7 @@ fn charts_fill_a_texture_with_margins_in_texels_better_than_a_skyline() {
         .iter()
         .map(|s| shape(s.outlines[0].iter().map(|p| p.map(|x| x * 1e-4)).collect::<Outline>()))
         .collect();
-    let params = UvPackParams { pixels: 1024, margin_px: 6, steps: 0, seed: 0 };
+    let params = UvPackParams { pixels: 1024, margin_px: 6, steps: 8, seed: 0 };
     let packing = pack_uv(&shapes, &params).unwrap();
     let placed: Vec<Outline> = shapes
         .iter()
@@ -419,7 +420,7 @@ fn charts_fill_a_texture_with_margins_in_texels_better_than_a_skyline() {
         side = pack(&rectangles, gap, None).sheet.max() + gap;
     }
     let skyline = shapes.iter().map(NestShape::area).sum::<f64>() / (side * side);
-    assert!(packing.utilisation > 1.05 * skyline, "{} {skyline}", packing.utilisation);
+    assert!(packing.utilisation > 1.1 * skyline, "{} {skyline}", packing.utilisation);
 }
 
 #[test]

@@ -151,11 +151,6 @@ impl Field {
         (distance, slope)
     }
 
-    /// Side of a cell.
-    pub fn cell(&self) -> f64 {
-        1.0 / self.per_unit
-    }
-
     /// Disks within the shape that together fill most of it, the largest first: centres at corners of cells, and radii.
     pub fn disks(&self, most: usize) -> Vec<([f64; 2], f64)> {
         let cell = 1.0 / self.per_unit;
@@ -189,9 +184,11 @@ impl Field {
 
 /// The sides of all outlines with directions out of the shape.
 fn outer_sides(outlines: &[Vec<[f64; 2]>]) -> Vec<Side> {
+    // Long enough for its square to be a number.
+    let is_proper = |[a, b]: &[[f64; 2]; 2]| dot(minus(*b, *a), minus(*b, *a)) > 0.0;
     let mut all = Vec::new();
     for outline in outlines {
-        let proper: Vec<[[f64; 2]; 2]> = sides(outline).filter(|[a, b]| a != b).collect();
+        let proper: Vec<[[f64; 2]; 2]> = sides(outline).filter(is_proper).collect();
         let out = |k: usize| {
             let [a, b] = proper[k % proper.len()];
             let [x, y] = minus(b, a);

@@ -266,9 +266,13 @@ impl NestFlow {
     /// Side of a cell: as asked, or fine against the parts, but so coarse that laying takes about a tenth of a second.
     fn cell(&self, width: f64) -> f64 {
         let count = self.parts.len() as f64;
+        let gap = self.room.gap;
         let turns: usize = self.parts.iter().map(|part| part.fits.len()).sum();
-        let area: f64 = self.parts.iter().map(|part| part.area).sum();
-        let height: f64 = self.parts.iter().map(|part| part.fits[0].size()[1]).sum();
+        // Of parts with the gap around them.
+        let sizes =
+            self.parts.iter().map(|part| (part.area.sqrt() + gap, part.fits[0].size()[1] + gap));
+        let (area, height) =
+            sizes.fold((0.0, 0.0), |(a, h), (side, high)| (a + side * side, h + high));
         let length = (area / (0.6 * width)).max(height / count);
         let coarse = (turns as f64 * length * height / count * CELL_COST).sqrt();
         let extents = self.parts.iter().flat_map(|part| part.fits[0].size());
@@ -276,7 +280,7 @@ impl NestFlow {
         if self.params.resolution_mm > 0.0 {
             return self.params.resolution_mm.max(coarse);
         }
-        let wanted = (area / count).sqrt().min(4.0 * least) / 64.0;
+        let wanted = (area / count).sqrt().min(4.0 * least) / 128.0;
         // Whole cells for the smallest part, its half, third, and quarter, so that equal parts lie side by side without loss.
         let pitch = least + self.room.gap;
         let cells = pitch / wanted.max(coarse);
@@ -347,7 +351,7 @@ impl NestFlow {
             if trial.queue.is_empty() {
                 trial.queue = trial.search.entangled();
                 if trial.queue.is_empty() {
-                    self.settle(trial);
+                    self.settle(&trial);
                     return;
                 }
                 for i in (1..trial.queue.len()).rev() {
@@ -379,7 +383,7 @@ impl NestFlow {
     }
 
     /// No part overlaps another by the samples: takes the layout if it passes the check.
-    fn settle(&mut self, trial: Box<Trial>) {
+    fn settle(&mut self, trial: &Trial) {
         let fault = if trial.search.is_within() {
             match self.accept(trial.search.spots.clone()) {
                 Ok(true) => {

@@ -189,7 +189,7 @@ impl NestParams {
             SolveError::within("rotation steps", degrees, 1.0, 360.0)?;
         }
         // Something must be left between the margins.
-        let least = 2.0 * self.margin_mm + f64::MIN_POSITIVE;
+        let least = (2.0 * self.margin_mm + 1e-6) * (1.0 + 1e-9);
         match self.stock {
             Stock::Roll { width_mm } => SolveError::within("width_mm", width_mm, least, most),
             Stock::Sheet { width_mm, height_mm, .. } => {
