@@ -76,7 +76,7 @@ fn at(x: f64, y: f64) -> NestPose {
 
 #[test]
 fn a_nest_keeps_the_contract_of_flows() {
-    let shapes = blobs(6, 40);
+    let shapes = blobs(6, 24);
     let sheet = Stock::Sheet { width_mm: 400.0, height_mm: 300.0, most: 9 };
     for (stock, rotations) in [
         (Stock::Roll { width_mm: 400.0 }, Rotations::Woven),
@@ -84,7 +84,7 @@ fn a_nest_keeps_the_contract_of_flows() {
         (Stock::Free, Rotations::Free),
     ] {
         let params =
-            NestParams { stock, rotations, step_limit: 9, seed: 5, ..NestParams::default() };
+            NestParams { stock, rotations, step_limit: 8, seed: 5, ..NestParams::default() };
         let mut flow = NestFlow::new(&shapes, &params).unwrap();
         let mut twin = flow.clone();
         let mut cost = flow.state().cost_mm;
@@ -107,7 +107,7 @@ fn a_nest_keeps_the_contract_of_flows() {
                 break;
             }
         }
-        assert!(steps <= 9 && flow.state().notices.is_empty());
+        assert!(steps <= 8 && flow.state().notices.is_empty());
         let end = flow.state().clone();
         let report = flow.step().unwrap();
         assert_eq!((flow.state(), report.status), (&end, flow.status()), "quiet at its end");
@@ -392,7 +392,7 @@ fn charts_fill_a_texture_with_margins_in_texels_better_than_a_skyline() {
         .iter()
         .map(|s| shape(s.outlines[0].iter().map(|p| p.map(|x| x * 1e-4)).collect::<Outline>()))
         .collect();
-    let params = UvPackParams { pixels: 1024, margin_px: 6, steps: 8, seed: 0 };
+    let params = UvPackParams { pixels: 1024, margin_px: 6, steps: 4, seed: 0 };
     let packing = pack_uv(&shapes, &params).unwrap();
     let placed: Vec<Outline> = shapes
         .iter()
