@@ -6,7 +6,7 @@ use super::room::Room;
 use super::{NestNotice, NestParams, NestPose, NestShape, Stock};
 use crate::pattern::piece::Bounds;
 
-/// A layout that has passed [`check`].
+/// A layout that has passed [`check`](super::check).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NestState {
     /// One for each shape; all zero for a shape that is not laid.
