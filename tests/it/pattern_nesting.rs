@@ -77,15 +77,15 @@ fn at(x: f64, y: f64) -> NestPose {
 
 #[test]
 fn a_nest_keeps_the_contract_of_flows() {
-    let shapes = blobs(6, 40);
-    let sheet = Stock::Sheet { width_mm: 300.0, height_mm: 250.0, most: 9 };
+    let shapes = blobs(6, 24);
+    let sheet = Stock::Sheet { width_mm: 400.0, height_mm: 300.0, most: 9 };
     for (stock, rotations) in [
         (Stock::Roll { width_mm: 400.0 }, Rotations::Woven),
         (sheet, Rotations::Cross),
         (Stock::Free, Rotations::Free),
     ] {
         let params =
-            NestParams { stock, rotations, step_limit: 9, seed: 5, ..NestParams::default() };
+            NestParams { stock, rotations, step_limit: 8, seed: 5, ..NestParams::default() };
         let mut flow = NestFlow::new(&shapes, &params).unwrap();
         let mut twin = flow.clone();
         let mut cost = flow.state().cost_mm;
@@ -108,7 +108,7 @@ fn a_nest_keeps_the_contract_of_flows() {
                 break;
             }
         }
-        assert!(steps <= 9 && flow.state().notices.is_empty());
+        assert!(steps <= 8 && flow.state().notices.is_empty());
         let end = flow.state().clone();
         let report = flow.step().unwrap();
         assert_eq!((flow.state(), report.status), (&end, flow.status()), "quiet at its end");
@@ -237,7 +237,7 @@ fn small_squares_and_corners_fill_the_roll_at_the_first_step() {
 fn triangles_find_their_partners() {
     let triangles = vec![shape([[0.0, 0.0], [30.0, 0.0], [0.0, 30.0]]); 8];
     let params = tight(Stock::Roll { width_mm: 60.0 });
-    let flow = run(&triangles, &params, 40);
+    let flow = run(&triangles, &params, 150);
     // The optimum is 60 mm, each row of rest would be 30 more: within 2 % of it, because the search keeps a hair of air.
     assert!(flow.state().cost_mm < 61.2, "{}", flow.state().cost_mm);
     assert!(flow.state().cost_mm >= 60.0 - 1e-6, "no layout can be shorter");
@@ -363,6 +363,7 @@ fn parameters_out_of_range_are_refused() {
     refused(NestParams { gap_mm: -1.0, ..roll(100.0) }, "gap_mm");
     refused(NestParams { margin_mm: f64::NAN, ..roll(100.0) }, "margin_mm");
     refused(NestParams { margin_mm: 50.0, ..roll(100.0) }, "width_mm");
+    refused(roll(f64::INFINITY), "width_mm");
     refused(NestParams { rotations: Rotations::Steps(0.0), ..roll(100.0) }, "rotation steps");
     let sheet = Stock::Sheet { width_mm: 100.0, height_mm: 10.0, most: 1 };
     refused(NestParams { stock: sheet, ..NestParams::default() }, "height_mm");
@@ -392,7 +393,7 @@ fn charts_fill_a_texture_with_margins_in_texels_better_than_a_skyline() {
         .iter()
         .map(|s| shape(s.outlines[0].iter().map(|p| p.map(|x| x * 1e-4)).collect::<Outline>()))
         .collect();
-    let params = UvPackParams { pixels: 1024, margin_px: 6, steps: 0, seed: 0 };
+    let params = UvPackParams { pixels: 1024, margin_px: 6, steps: 4, seed: 0 };
     let packing = pack_uv(&shapes, &params).unwrap();
     let placed: Vec<Outline> = shapes
         .iter()
@@ -420,7 +421,7 @@ fn charts_fill_a_texture_with_margins_in_texels_better_than_a_skyline() {
         side = pack(&rectangles, gap, None).sheet.max() + gap;
     }
     let skyline = shapes.iter().map(NestShape::area).sum::<f64>() / (side * side);
-    assert!(packing.utilisation > 1.05 * skyline, "{} {skyline}", packing.utilisation);
+    assert!(packing.utilisation > 1.1 * skyline, "{} {skyline}", packing.utilisation);
 }
 
 #[test]

@@ -151,11 +151,6 @@ impl Field {
         (distance, slope)
     }
 
-    /// Side of a cell.
-    pub fn cell(&self) -> f64 {
-        1.0 / self.per_unit
-    }
-
     /// Disks within the shape that together fill most of it, the largest first: centres at corners of cells, and radii.
     pub fn disks(&self, most: usize) -> Vec<([f64; 2], f64)> {
         let cell = 1.0 / self.per_unit;
@@ -189,9 +184,11 @@ impl Field {
 
 /// The sides of all outlines with directions out of the shape.
 fn outer_sides(outlines: &[Vec<[f64; 2]>]) -> Vec<Side> {
+    // Long enough for its square to be a number.
+    let is_proper = |[a, b]: &[[f64; 2]; 2]| dot(minus(*b, *a), minus(*b, *a)) > 0.0;
     let mut all = Vec::new();
     for outline in outlines {
-        let proper: Vec<[[f64; 2]; 2]> = sides(outline).filter(|[a, b]| a != b).collect();
+        let proper: Vec<[[f64; 2]; 2]> = sides(outline).filter(is_proper).collect();
         let out = |k: usize| {
             let [a, b] = proper[k % proper.len()];
             let [x, y] = minus(b, a);
@@ -216,4 +213,59 @@ fn outer_sides(outlines: &[Vec<[f64; 2]>]) -> Vec<Side> {
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::nesting::plane::Dice;
+
+    #[test]
+    fn distances_are_exact_where_they_must_be_and_near_elsewhere() {
+        // A star with sharp tips and hollows, and a hole.
+        let star = |tips: usize, inner: f64, outer: f64, sign: f64| -> Vec<[f64; 2]> {
+            let point = |i: usize| {
+                let t = sign * std::f64::consts::PI * i as f64 / tips as f64;
+                let r = if i.is_multiple_of(2) { outer } else { inner };
+                [r * t.cos(), r * t.sin()]
+            };
+            (0..2 * tips).map(point).collect()
+        };
+        let outlines = vec![star(7, 30.0, 60.0, 1.0), star(4, 8.0, 12.0, -1.0)];
+        for gap in [0.0, 4.0] {
+            let field = Field::new(&outlines, [gap, gap + 0.5], 20.0);
+            let mut dice = Dice(3);
+            let mut exact = 0;
+            for _ in 0..4000 {
+                let p = [dice.between(-70.0, 70.0), dice.between(-70.0, 70.0)];
+                let squared =
+                    outlines.iter().flat_map(|o| sides(o)).map(|s| squared_distance(p, s));
+                let distance = squared.fold(f64::INFINITY, f64::min).sqrt();
+                let signed = if winding(&outlines, p) != 0 { -distance } else { distance };
+                let (found, slope) = field.slope(p);
+                // Rounding in the band; half a cell of 160 / 64 beyond, where distances are interpolated.
+                let tolerance = if (gap..gap + 0.5).contains(&signed) { 1e-12 } else { 1.25 };
+                assert!((found - signed).abs() < tolerance, "{p:?} {found} {signed}");
+                if tolerance < 1.0 {
+                    exact += 1;
+                    assert!((slope[0].hypot(slope[1]) - 1.0).abs() < 1e-9);
+                    let ahead = [0, 1].map(|k| p[k] + 1e-3 * slope[k]);
+                    assert!(field.distance(ahead) > found, "the slope points out");
+                }
+            }
+            assert!(exact > 20, "{exact}");
+        }
+    }
+
+    #[test]
+    fn disks_lie_within_and_fill_a_rectangle() {
+        let field =
+            Field::new(&[vec![[0.0, 0.0], [40.0, 0.0], [40.0, 10.0], [0.0, 10.0]]], [1.0; 2], 2.0);
+        let disks = field.disks(12);
+        assert!(disks.len() > 3);
+        for ([x, y], r) in disks {
+            let room = x.min(40.0 - x).min(y).min(10.0 - y);
+            assert!((room - r).abs() < 1e-12, "{x} {y} {r}");
+        }
+    }
 }

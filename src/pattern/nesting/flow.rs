@@ -4,11 +4,10 @@ use super::part::{Part, Spot};
 use super::plane::Dice;
 use super::probe::Probe;
 use super::raster::{Board, fill};
-use super::room::Room;
 use super::separate::Separation;
-use super::{NestFault, NestNotice, NestParams, NestPose, NestShape, Stock, check, shelf};
+use super::state::{Laid, NestState};
+use super::{NestFault, NestParams, NestShape, check, shelf};
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
-use crate::pattern::piece::Bounds;
 
 /// Samples that a step looks up, about: some 40 ms.
 const WORK: u64 = 3_000_000;
@@ -22,24 +21,6 @@ const FAILURES: usize = 40;
 const RELAXING: usize = 30;
 /// Above this many parts there are too many pairs to search.
 const MOST_PARTS: usize = 3000;
-
-/// A layout that has passed [`check`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct NestState {
-    /// One for each shape; all zero for a shape that is not laid.
-    pub poses: Vec<NestPose>,
-    /// Sheets used, those of pieces that are too large not counted; they come after these.
-    pub sheets: usize,
-    /// Width and height of what is used of the last sheet, margins included, mm.
-    pub used_mm: [f64; 2],
-    /// What is made small: the length used of a roll; for sheets their heights, of the last one only what is used; the side of a square.
-    pub cost_mm: f64,
-    /// Area of the pieces (not those that are too large) over the area of stock used: width × length of a roll; whole sheets, the last
-    /// one up to the height used; the rectangle around all pieces and the margin.
-    pub utilisation: f64,
-    /// What to tell a person.
-    pub notices: Vec<NestNotice>,
-}
 
 /// Nests shapes.
 ///
@@ -61,12 +42,7 @@ pub struct NestState {
 /// ```
 #[derive(Clone, Debug)]
 pub struct NestFlow {
-    params: NestParams,
-    shapes: Vec<NestShape>,
-    room: Room,
-    parts: Vec<Part>,
-    too_large: Vec<usize>,
-    none: Vec<usize>,
+    laid: Laid,
     spots: Vec<Spot>,
     /// No layout costs less.
     least_cost: f64,
@@ -107,14 +83,8 @@ impl NestFlow {
     /// **Fails** where a parameter is out of its range.
     pub fn new(shapes: &[NestShape], params: &NestParams) -> Result<Self, SolveError> {
         params.validate()?;
-        let room = Room::new(params);
         let mut flow = Self {
-            params: *params,
-            shapes: shapes.to_vec(),
-            room,
-            parts: Vec::new(),
-            too_large: Vec::new(),
-            none: Vec::new(),
+            laid: Laid::new(shapes, params),
             spots: Vec::new(),
             least_cost: 0.0,
             least_height: 0.0,
@@ -127,22 +97,13 @@ impl NestFlow {
             step: 0,
             status: Status::Running,
         };
-        for (index, shape) in shapes.iter().enumerate() {
-            if !shape.is_laid() {
-                flow.none.push(index);
-            } else if let Some(part) = Part::new(index, shape, params, &room) {
-                flow.parts.push(part);
-            } else {
-                flow.too_large.push(index);
-            }
-        }
-        flow.spots = shelf::rows(&flow.parts, &room);
-        flow.state = flow.state_of(&flow.spots);
-        if flow.parts.is_empty() {
+        flow.spots = shelf::rows(&flow.laid.parts, &flow.laid.room);
+        flow.state = flow.laid.state(&flow.spots);
+        if flow.laid.parts.is_empty() {
             flow.status = Status::Converged;
         } else {
-            flow.least_cost = room.least_cost(&flow.parts);
-            let heights = flow.parts.iter().map(|part| part.least_extent()[0]);
+            flow.least_cost = flow.laid.room.least_cost(&flow.laid.parts);
+            let heights = flow.laid.parts.iter().map(|part| part.least_extent()[0]);
             flow.least_height = heights.fold(f64::INFINITY, f64::min);
         }
         Ok(flow)
@@ -158,55 +119,6 @@ impl NestFlow {
         self.status
     }
 
-    fn state_of(&self, spots: &[Spot]) -> NestState {
-        let mut poses = vec![NestPose::default(); self.shapes.len()];
-        let mut notices: Vec<NestNotice> =
-            self.none.iter().map(|&shape| NestNotice::NoOutline { shape }).collect();
-        let sheets = spots.iter().map(|spot| spot.sheet + 1).max().unwrap_or(0);
-        for (part, spot) in self.parts.iter().zip(spots) {
-            poses[part.shape] = NestPose {
-                angle: spot.turn.angle,
-                shift: spot.at,
-                is_mirrored: spot.turn.is_mirrored,
-                sheet: spot.sheet,
-                is_too_large: false,
-            };
-            if let Stock::Sheet { most, .. } = self.params.stock
-                && spot.sheet >= most
-            {
-                notices.push(NestNotice::NoRoom { shape: part.shape });
-            }
-        }
-        for (&shape, sheet) in self.too_large.iter().zip(sheets..) {
-            // Upright, with its low corner at the margin.
-            let angle = self.shapes[shape].upright;
-            let turn = super::plane::Turn::new(angle, false);
-            let points = self.shapes[shape].outlines.iter().flatten();
-            let Bounds { low, .. } = Bounds::around(points.map(|&p| turn.apply(p)));
-            let shift = low.map(|x| self.room.margin - x);
-            poses[shape] = NestPose { angle, shift, is_mirrored: false, sheet, is_too_large: true };
-            notices.push(NestNotice::TooLarge { shape });
-        }
-        notices.sort_by_key(|notice| match *notice {
-            NestNotice::TooLarge { shape }
-            | NestNotice::NoRoom { shape }
-            | NestNotice::NoOutline { shape } => shape,
-        });
-        let on_last = spots.iter().filter(|spot| spot.sheet + 1 == sheets);
-        let used_mm = [0, 1].map(|k| {
-            let high = on_last.clone().map(|s| s.bounds.high[k]).fold(0.0, f64::max);
-            if sheets > 0 { high + self.room.margin } else { 0.0 }
-        });
-        let cost_mm = self.room.cost(spots);
-        let area: f64 = self.parts.iter().map(|part| part.area).sum();
-        let stock = match self.params.stock {
-            Stock::Roll { width_mm } | Stock::Sheet { width_mm, .. } => width_mm * cost_mm,
-            Stock::Free => used_mm[0] * used_mm[1],
-        };
-        let utilisation = if stock > 0.0 { area / stock } else { 0.0 };
-        NestState { poses, sheets, used_mm, cost_mm, utilisation, notices }
-    }
-
     /// Takes a layout if it is shorter and passes the check.
     fn accept(&mut self, mut spots: Vec<Spot>) -> Result<bool, NestFault> {
         // Sheets without a part go.
@@ -216,8 +128,8 @@ impl NestFlow {
         for spot in &mut spots {
             spot.sheet = used.partition_point(|&sheet| sheet < spot.sheet);
         }
-        let state = self.state_of(&spots);
-        check(&self.shapes, &state.poses, &self.params)?;
+        let state = self.laid.state(&spots);
+        check(&self.laid.shapes, &state.poses, &self.laid.params)?;
         let is_shorter = state.cost_mm < self.state.cost_mm * (1.0 - 1e-12);
         if is_shorter {
             self.spots = spots;
@@ -237,16 +149,16 @@ impl NestFlow {
                 _ => h,
             }
         };
-        let keys: Vec<f64> = self.parts.iter().map(key).collect();
-        let mut order: Vec<usize> = (0..self.parts.len()).collect();
+        let keys: Vec<f64> = self.laid.parts.iter().map(key).collect();
+        let mut order: Vec<usize> = (0..self.laid.parts.len()).collect();
         order.sort_by(|&i, &j| keys[j].total_cmp(&keys[i]));
         for width in self.widths() {
-            let inner = [width, self.room.inner()[1]];
+            let inner = [width, self.laid.room.inner()[1]];
             let cell = self.cell(width);
-            let (gap, margin) = (self.room.gap, self.room.margin);
+            let (gap, margin) = (self.laid.room.gap, self.laid.room.margin);
             let board = Board { inner, gap, margin, cell };
             // A layout that fails the check is none; the last one stays.
-            if let Some(spots) = fill(&self.parts, &order, &board) {
+            if let Some(spots) = fill(&self.laid.parts, &order, &board) {
                 let _ = self.accept(spots);
             }
         }
@@ -255,35 +167,42 @@ impl NestFlow {
 
     /// Widths between margins to lay on: several for a square.
     fn widths(&self) -> Vec<f64> {
-        let [width, _] = self.room.inner();
+        let [width, _] = self.laid.room.inner();
         if width.is_finite() {
             return vec![width];
         }
-        let widest = self
-            .parts
-            .iter()
-            .map(|part| part.fits.iter().map(|fit| fit.size()[0]).fold(f64::INFINITY, f64::min));
+        let widest =
+            self.laid.parts.iter().map(|part| {
+                part.fits.iter().map(|fit| fit.size()[0]).fold(f64::INFINITY, f64::min)
+            });
         let widest = widest.fold(0.0, f64::max);
-        let least = (self.least_cost - 2.0 * self.room.margin).max(widest);
+        let least = (self.least_cost - 2.0 * self.laid.room.margin).max(widest);
         [1.05, 1.12, 1.2, 1.3].map(|part| least * part).into_iter().chain([widest]).collect()
     }
 
     /// Side of a cell: as asked, or fine against the parts, but so coarse that laying takes about a tenth of a second.
     fn cell(&self, width: f64) -> f64 {
-        let count = self.parts.len() as f64;
-        let turns: usize = self.parts.iter().map(|part| part.fits.len()).sum();
-        let area: f64 = self.parts.iter().map(|part| part.area).sum();
-        let height: f64 = self.parts.iter().map(|part| part.fits[0].size()[1]).sum();
+        let count = self.laid.parts.len() as f64;
+        let gap = self.laid.room.gap;
+        let turns: usize = self.laid.parts.iter().map(|part| part.fits.len()).sum();
+        // Of parts with the gap around them.
+        let sizes = self
+            .laid
+            .parts
+            .iter()
+            .map(|part| (part.area.sqrt() + gap, part.fits[0].size()[1] + gap));
+        let (area, height) =
+            sizes.fold((0.0, 0.0), |(a, h), (side, high)| (a + side * side, h + high));
         let length = (area / (0.6 * width)).max(height / count);
         let coarse = (turns as f64 * length * height / count * CELL_COST).sqrt();
-        let extents = self.parts.iter().flat_map(|part| part.fits[0].size());
+        let extents = self.laid.parts.iter().flat_map(|part| part.fits[0].size());
         let least = extents.fold(f64::INFINITY, f64::min);
-        if self.params.resolution_mm > 0.0 {
-            return self.params.resolution_mm.max(coarse);
+        if self.laid.params.resolution_mm > 0.0 {
+            return self.laid.params.resolution_mm.max(coarse);
         }
-        let wanted = (area / count).sqrt().min(4.0 * least) / 64.0;
+        let wanted = (area / count).sqrt().min(4.0 * least) / 128.0;
         // Whole cells for the smallest part, its half, third, and quarter, so that equal parts lie side by side without loss.
-        let pitch = least + self.room.gap;
+        let pitch = least + self.laid.room.gap;
         let cells = pitch / wanted.max(coarse);
         let whole =
             if cells < 12.0 { cells.floor().max(1.0) } else { 12.0 * (cells / 12.0).floor() };
@@ -296,16 +215,16 @@ impl NestFlow {
             Stage::Raster(kind) => {
                 let goes_on = self.lay(kind);
                 self.stage = if goes_on { Stage::Raster(kind + 1) } else { Stage::Prepare };
-                if self.parts.len() > MOST_PARTS && !goes_on {
+                if self.laid.parts.len() > MOST_PARTS && !goes_on {
                     self.status = Status::Stalled;
                 }
             }
             Stage::Prepare => {
-                let slack = self.parts.iter().map(|part| part.slack).fold(0.0, f64::max);
+                let slack = self.laid.parts.iter().map(|part| part.slack).fold(0.0, f64::max);
                 let done = self.probes.len();
-                let next = self.parts[done..].iter().take(40);
-                self.probes.extend(next.map(|part| Probe::new(part, self.room.gap, slack)));
-                if self.probes.len() < self.parts.len() {
+                let next = self.laid.parts[done..].iter().take(40);
+                self.probes.extend(next.map(|part| Probe::new(part, self.laid.room.gap, slack)));
+                if self.probes.len() < self.laid.parts.len() {
                     self.stage = Stage::Prepare;
                 }
             }
@@ -322,26 +241,26 @@ impl NestFlow {
 
     fn shorten(&mut self) -> Trial {
         let cost = (self.state.cost_mm * (1.0 - self.shorter)).max(self.least_cost);
-        let bins = self.room.bins(cost, self.least_height);
-        let (gap, margin) = (self.room.gap, self.room.margin);
+        let bins = self.laid.room.bins(cost, self.least_height);
+        let (gap, margin) = (self.laid.room.gap, self.laid.room.margin);
         let mut search = Separation::new(
-            &self.parts,
+            &self.laid.parts,
             &self.probes,
             &self.spots,
             (bins, margin, gap),
             &mut self.dice,
         );
-        let count = self.parts.len();
+        let count = self.laid.parts.len();
         if self.failures > 0 && count > 1 {
             // The same again would fail again: two of the larger parts change places.
             let mut order: Vec<usize> = (0..count).collect();
-            order.sort_by(|&i, &j| self.parts[j].area.total_cmp(&self.parts[i].area));
+            order.sort_by(|&i, &j| self.laid.parts[j].area.total_cmp(&self.laid.parts[i].area));
             let large = count.div_ceil(2).max(2);
             let i = self.dice.below(large);
             let j = (i + 1 + self.dice.below(large - 1)) % large;
             search.swap(&self.probes, [order[i], order[j]]);
         }
-        search.relax(&self.parts, &self.probes, (4 * RELAXING, WORK));
+        search.relax(&self.laid.parts, &self.probes, (4 * RELAXING, WORK));
         Trial { least: search.total(), search, queue: Vec::new(), rounds_without_gain: 0 }
     }
 
@@ -352,7 +271,7 @@ impl NestFlow {
             if trial.queue.is_empty() {
                 trial.queue = trial.search.entangled();
                 if trial.queue.is_empty() {
-                    self.settle(trial);
+                    self.settle(&trial);
                     return;
                 }
                 for i in (1..trial.queue.len()).rev() {
@@ -361,7 +280,7 @@ impl NestFlow {
                 }
             }
             let Some(part) = trial.queue.pop() else { continue };
-            trial.search.relocate(&self.parts, &self.probes, part, &mut self.dice);
+            trial.search.relocate(&self.laid.parts, &self.probes, part, &mut self.dice);
             if trial.queue.is_empty() {
                 let total = trial.search.total();
                 if total < 0.98 * trial.least {
@@ -372,7 +291,7 @@ impl NestFlow {
                 }
                 trial.search.weigh();
                 if total > 0.0 {
-                    trial.search.relax(&self.parts, &self.probes, (RELAXING, WORK / 2));
+                    trial.search.relax(&self.laid.parts, &self.probes, (RELAXING, WORK / 2));
                 }
                 if total > 0.0 && trial.rounds_without_gain > PATIENCE {
                     self.give_up();
@@ -384,7 +303,7 @@ impl NestFlow {
     }
 
     /// No part overlaps another by the samples: takes the layout if it passes the check.
-    fn settle(&mut self, trial: Box<Trial>) {
+    fn settle(&mut self, trial: &Trial) {
         let fault = if trial.search.is_within() {
             match self.accept(trial.search.spots.clone()) {
                 Ok(true) => {
@@ -402,7 +321,7 @@ impl NestFlow {
         if let Some(NestFault::Overlap { shapes, at } | NestFault::TooClose { shapes, at, .. }) =
             fault
         {
-            for (k, part) in self.parts.iter().enumerate() {
+            for (k, part) in self.laid.parts.iter().enumerate() {
                 if shapes.contains(&part.shape) {
                     let spot = &trial.search.spots[k];
                     let at = [at[0] - spot.at[0], at[1] - spot.at[1]];
@@ -423,7 +342,7 @@ impl NestFlow {
 
     fn report(&self) -> StepReport {
         let state = &self.state;
-        let limit = self.params.step_limit.max(1);
+        let limit = self.laid.params.step_limit.max(1);
         #[expect(clippy::cast_possible_truncation, reason = "a share")]
         let progress = (self.step as f64 / limit as f64).min(1.0) as f32;
         StepReport {
@@ -454,7 +373,7 @@ impl Flow for NestFlow {
         if self.status == Status::Running {
             self.advance();
             self.step += 1;
-            if self.status == Status::Running && self.step >= self.params.step_limit {
+            if self.status == Status::Running && self.step >= self.laid.params.step_limit {
                 self.status = Status::StepLimit;
             }
         }

@@ -4,7 +4,7 @@
 //! dist(gᵢPᵢ, gⱼPⱼ) ≥ gap for all i ≠ j on the same sheet and every gᵢPᵢ lies within its sheet less a margin; and the length
 //! used of a roll, the number of sheets, or the side of a square is small. The problem is NP-hard already for squares.
 //!
-//! A first layout is made at once, each piece as low as it goes on a raster ([`raster`](self)); then the stock is made a
+//! A first layout is made at once, each piece as low as it goes on a raster; then the stock is made a
 //! little shorter again and again, and pieces that now overlap are moved, one at a time, to where they overlap least, with
 //! weights that grow while two pieces do not come apart. That is the guided local search for strip packing (Umetani and others
 //! 2009; Elkeran 2013; Gardeyn, Vanden Berghe, Wauters 2025), with signed distance fields of outlines as the measure of overlap:
@@ -17,18 +17,21 @@ mod check;
 mod field;
 mod flow;
 mod part;
+mod placed;
 mod plane;
 mod probe;
 mod raster;
 mod room;
 mod separate;
 mod shelf;
+mod state;
 mod uv;
 
 use std::fmt;
 
 pub use check::{CHECK_TOLERANCE_MM, NestFault, check};
-pub use flow::{NestFlow, NestState};
+pub use flow::NestFlow;
+pub use state::NestState;
 pub use uv::{UvPackParams, UvPacking, pack_uv};
 
 use crate::methods::flow::SolveError;
@@ -189,7 +192,7 @@ impl NestParams {
             SolveError::within("rotation steps", degrees, 1.0, 360.0)?;
         }
         // Something must be left between the margins.
-        let least = 2.0 * self.margin_mm + f64::MIN_POSITIVE;
+        let least = (2.0 * self.margin_mm + 1e-6) * (1.0 + 1e-9);
         match self.stock {
             Stock::Roll { width_mm } => SolveError::within("width_mm", width_mm, least, most),
             Stock::Sheet { width_mm, height_mm, .. } => {

@@ -79,7 +79,7 @@ impl Dice {
 
     /// One of 0 … n − 1; 0 for n = 0.
     pub fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
+        usize::try_from(self.next() % n.max(1) as u64).unwrap_or(0)
     }
 }
 

@@ -43,18 +43,6 @@ pub(super) struct Separation {
     pub work: u64,
 }
 
-/// Calls a meeting of two parts that lie as `spots` say, or the first in a spot of its own.
-macro_rules! meeting {
-    ($search:expr, $probes:expr, $i:expr, $j:expr, $spot:expr) => {
-        Meeting {
-            probes: [&$probes[$i], &$probes[$j]],
-            spots: [$spot, &$search.spots[$j]],
-            gap: $search.gap,
-            touch: $search.touch,
-        }
-    };
-}
-
 impl Separation {
     /// Parts as they lie, moved into the stock given.
     pub fn new(
@@ -91,6 +79,17 @@ impl Separation {
         search
     }
 
+    /// The first part in a spot and the second where it lies.
+    fn meeting<'a>(
+        &'a self,
+        probes: &'a [Probe],
+        [i, j]: [usize; 2],
+        spot: &'a Spot,
+    ) -> Meeting<'a> {
+        let (probes, spots) = ([&probes[i], &probes[j]], [spot, &self.spots[j]]);
+        Meeting { probes, spots, gap: self.gap, touch: self.touch }
+    }
+
     /// All overlaps, unweighted; 0 where parts keep their distance.
     pub fn total(&self) -> f64 {
         self.overlaps.iter().sum()
@@ -120,7 +119,7 @@ impl Separation {
         let Bounds { low, high } = spot.bounds;
         let range = self.range(spot.sheet, minus(high, low))?;
         let by = [0, 1].map(|k| low[k].clamp(range.low[k], range.high[k]) - low[k]);
-        Some(if by == [0.0; 2] { *spot } else { spot.moved(by) })
+        Some(spot.moved(by))
     }
 
     /// A random spot; `None` if the turn drawn fits nowhere.
@@ -146,7 +145,7 @@ impl Separation {
         let mut work = 1;
         for j in (0..self.spots.len()).filter(|&j| j != i) {
             let weight = self.weights[pair(i, j)];
-            let meeting = meeting!(self, probes, i, j, spot);
+            let meeting = self.meeting(probes, [i, j], spot);
             let rest = (most - sum) / weight;
             sum += weight * meeting.overlap(true, rest * rest, &mut work).sqrt();
             if sum > most {
@@ -164,7 +163,7 @@ impl Separation {
         let mut work = 1;
         let middle = spot.middle();
         for j in (0..self.spots.len()).filter(|&j| j != i) {
-            let meeting = meeting!(self, probes, i, j, spot);
+            let meeting = self.meeting(probes, [i, j], spot);
             if !meeting.is_apart() {
                 let weight = self.weights[pair(i, j)];
                 let (overlap, along) = meeting.slope(middle, &mut work);
@@ -181,7 +180,7 @@ impl Separation {
 
     /// Measures a pair.
     fn measure(&mut self, probes: &[Probe], i: usize, j: usize, work: &mut u64) {
-        let meeting = meeting!(self, probes, i, j, &self.spots[i]);
+        let meeting = self.meeting(probes, [i, j], &self.spots[i]);
         self.overlaps[pair(i, j)] = meeting.overlap(false, f64::INFINITY, work);
     }
 
@@ -327,7 +326,7 @@ impl Separation {
     /// Resolves the deepest contact of samples of one part with the field of another.
     fn push(&mut self, parts: &[Part], probes: &[Probe], bodies: [usize; 2]) {
         let [i, j] = bodies;
-        let meeting = meeting!(self, probes, i, j, &self.spots[i]);
+        let meeting = self.meeting(probes, [i, j], &self.spots[i]);
         if meeting.is_apart() {
             return;
         }

@@ -99,10 +99,21 @@ pub fn pack_uv(shapes: &[NestShape], params: &UvPackParams) -> Result<UvPacking,
         while flow.step()?.status == Status::Running {}
         Ok(flow)
     };
+    let count = shapes.iter().filter(|shape| shape.is_laid()).count() as f64;
+    // Disks as wide as the margin around a point of each chart do not overlap: they fill no more of the square than the densest
+    // packing of disks, √3 π / 6.
+    let refused = || {
+        let value = f64::from(params.margin_px);
+        let max = (f64::from(params.pixels) / count.sqrt()).floor();
+        SolveError::Parameter { name: "margin_px", value, min: 0.0, max }
+    };
+    if count * margin * margin * 3.0_f64.sqrt() > 2.0 {
+        return Err(refused());
+    }
     let mut side = 1.25 * SIDE;
     let mut found = None;
     for _ in 0..SIDES {
-        let flow = flow(side, LAYOUTS)?;
+        let flow = flow(side, 1)?;
         let cost = flow.state().cost_mm;
         if cost <= side {
             found = Some(flow.state().clone());
@@ -110,11 +121,7 @@ pub fn pack_uv(shapes: &[NestShape], params: &UvPackParams) -> Result<UvPacking,
         }
         side = (1.02 * cost).max(1.1 * side);
     }
-    let Some(mut best) = found else {
-        let value = f64::from(params.margin_px);
-        let max = f64::from(params.pixels) / (shapes.len() as f64).sqrt();
-        return Err(SolveError::Parameter { name: "margin_px", value, min: 0.0, max });
-    };
+    let Some(mut best) = found else { return Err(refused()) };
     // The margin that belongs to this side is no larger.
     let better = flow(best.cost_mm, LAYOUTS + params.steps)?;
     if better.state().cost_mm < best.cost_mm {
