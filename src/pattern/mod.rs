@@ -55,27 +55,32 @@ mod zip;
 
 pub use atlas_image::{AtlasImageParams, atlas_image};
 pub use blank::{Blank, BlankParams, Blanks, Word, blanks};
-pub use bytes::{FileFault};
+pub use bytes::FileFault;
 pub use check::{SheetNotice, WriteError, check};
 pub use dxf::{AstmParams, DxfParams, dxf};
-pub use flaps::{Base, Flap, FlapLabel, FlapNotice, FlapParams, FlapSide, cut_with_flaps, flap_labels, flaps};
-pub use flat_obj::{flat_obj};
+pub use flaps::{
+    Base, Flap, FlapLabel, FlapNotice, FlapParams, FlapSide, cut_with_flaps, flap_labels, flaps,
+};
+pub use flat_obj::flat_obj;
 pub use folds::{Fold, FoldParams, fold_layer, fold_shortening_mm, folds};
 pub use glb::{Texture, uv_glb};
 pub use grain::{Grain, GrainParams, grain};
 pub use hints::{Ease, HintParams, Hints, PieceHints, hints};
-pub use json::{cut_json};
-pub use kerf::{kerf};
-pub use laid::{LaidSurface};
+pub use json::cut_json;
+pub use kerf::kerf;
+pub use laid::LaidSurface;
 pub use marks::{Dart, Mark, MarkKind, MarkParams, darts, marks};
-pub use nesting::{CHECK_TOLERANCE_MM, NestFault, NestFlow, NestNotice, NestParams, NestPose, NestShape, NestState, Rotations, Stock, UvPackParams, UvPacking, pack_uv};
+pub use nesting::{
+    CHECK_TOLERANCE_MM, NestFault, NestFlow, NestNotice, NestParams, NestPose, NestShape,
+    NestState, Rotations, Stock, UvPackParams, UvPacking, pack_uv,
+};
 pub use obj::{CutSurface, cut_obj, mesh_obj, uv_obj};
 pub use pdf::{Orientation, Paper, PdfParams, Picture, PieceNote, Tile, pdf, tiles};
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
-pub use ply::{uv_ply};
+pub use ply::uv_ply;
 pub use png::{Channels, png};
 pub use seam::{Partner, Seam};
 pub use sheet::{Layer, Line, Placed, Sheet, SheetParams, Text};
 pub use svg::{SvgParams, SvgProfile, svg};
-pub use upright::{uprights};
+pub use upright::uprights;
 pub use zip::{ZipEntry, zip, zip_name};

@@ -134,10 +134,10 @@ impl Work {
 
     /// Evens out to the end.
     pub(super) fn finish_refinement(&mut self) -> Result<(), Problem> {
-        if let (Some(refinement), Some(layout)) = (&mut self.refinement, &mut self.layout) {
-            if refinement.finish(self.document.surface()?, layout) {
-                self.patterning = None;
-            }
+        if let (Some(refinement), Some(layout)) = (&mut self.refinement, &mut self.layout)
+            && refinement.finish(self.document.surface()?, layout)
+        {
+            self.patterning = None;
         }
         Ok(())
     }

@@ -1,5 +1,9 @@
 //! Patterns of a session: what is asked for is on the sheet, what is shown is what is written, what cannot be had is told.
-#![allow(clippy::unwrap_used, clippy::float_cmp, reason = "tests may panic, and compare what must be equal")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "tests may panic, and compare what must be equal"
+)]
 
 use cutflow::pattern::{Layer, Sheet};
 use cutflow::session::{Command, Event, PatternView, Session, Value};
@@ -243,7 +247,9 @@ fn every_file_can_be_had_and_all_are_in_one_archive() {
         assert_eq!(file.bytes, session.export(kind).unwrap().bytes, "{kind} is the same again");
     }
     let zip = written(&mut session, "All files (ZIP)");
-    for name in ["pattern.svg", "pattern_mm.dxf", "pattern.pdf", "uv.glb", "flat.obj", "report.json"] {
+    for name in
+        ["pattern.svg", "pattern_mm.dxf", "pattern.pdf", "uv.glb", "flat.obj", "report.json"]
+    {
         let is_there = zip.windows(name.len()).any(|window| window == name.as_bytes());
         assert!(is_there, "{name} is missing");
     }

@@ -102,12 +102,8 @@ impl Example {
 pub fn plain_sheet(laid: &LaidSurface, pattern: &Pattern, params: &SheetParams) -> Sheet {
     let asked = BlankParams { marks: Some(MarkParams::default()), ..BlankParams::default() };
     let made = blanks(laid, pattern, &asked);
-    let place = |blank| Placed {
-        blank,
-        copy: [0, 1],
-        is_mirrored: false,
-        pose: NestPose::default(),
-    };
+    let place =
+        |blank| Placed { blank, copy: [0, 1], is_mirrored: false, pose: NestPose::default() };
     let placed: Vec<Placed> = (0..made.pieces.len()).map(place).collect();
     Sheet::new(&made.pieces, &placed, &[], params)
 }

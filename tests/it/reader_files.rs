@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 
 use cutflow::mesh::Soup;
 use cutflow::pattern::{
-    AstmParams, AtlasImageParams, Channels, CutSurface, DxfParams, Layer, Partner, PdfParams, Sheet,
-    SheetParams, SvgParams, SvgProfile, Texture, ZipEntry, atlas_image, cut_obj, dxf, flat_obj, pdf,
-    piece_name, png, svg, uv_glb, uv_obj, uv_ply, zip,
+    AstmParams, AtlasImageParams, Channels, CutSurface, DxfParams, Layer, Partner, PdfParams,
+    Sheet, SheetParams, SvgParams, SvgProfile, Texture, ZipEntry, atlas_image, cut_obj, dxf,
+    flat_obj, pdf, piece_name, png, svg, uv_glb, uv_obj, uv_ply, zip,
 };
 use cutflow::session::{Command, Session};
 use serde_json::json;

@@ -111,7 +111,7 @@ impl NestFlow {
 
     /// What is asked of the layout.
     pub fn params(&self) -> &NestParams {
-        &self.params
+        &self.laid.params
     }
 
     /// How it stands.

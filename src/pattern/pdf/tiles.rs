@@ -194,8 +194,7 @@ fn by_stock(sheet: &Sheet, params: &PdfParams) -> Option<Grid> {
     let page = pages.into_iter().find(fits)?;
     let columns = sheet.frames.len();
     (sheet.frames.iter().all(is_like) && columns <= MOST_PAGES).then(|| {
-        let window =
-            Bounds { low: [margin; 2], high: [page[0] - margin, page[1] - margin - BAND] };
+        let window = Bounds { low: [margin; 2], high: [page[0] - margin, page[1] - margin - BAND] };
         let room = size(&window);
         Grid {
             page,
@@ -203,10 +202,7 @@ fn by_stock(sheet: &Sheet, params: &PdfParams) -> Option<Grid> {
             overlap: if columns > 1 { room[0] - step } else { 0.0 },
             columns,
             rows: 1,
-            low: [
-                first.low[0] - 0.5 * (room[0] - width),
-                first.low[1] - 0.5 * (room[1] - height),
-            ],
+            low: [first.low[0] - 0.5 * (room[0] - width), first.low[1] - 0.5 * (room[1] - height)],
             is_printed: vec![true; columns],
             has_frame: true,
             is_joined: false,

@@ -18,8 +18,8 @@ use crate::pattern::allowance::{AllowanceParams, Corner};
 use crate::pattern::notches::{NotchParams, NotchStyle};
 use crate::pattern::{
     BlankParams, Blanks, Bounds, FlapParams, FlapSide, FoldParams, GrainParams, LaidSurface,
-    MarkParams, NestFlow, NestNotice, NestParams, NestPose, NestShape, Paper, Pattern,
-    PdfParams, Placed, Rotations, Sheet, SheetParams, Stock, blanks, check, svg, tiles, uprights,
+    MarkParams, NestFlow, NestNotice, NestParams, NestPose, NestShape, Paper, Pattern, PdfParams,
+    Placed, Rotations, Sheet, SheetParams, Stock, blanks, check, svg, tiles, uprights,
 };
 
 pub use report::{PageView, PatternPieceReport, PatternReport, PatternSeamReport, PatternView};
