@@ -690,7 +690,7 @@ function showSamples() {
 async function save(kind) {
   const picture = { "Surface picture (PNG)": SURFACE, "Pattern picture (PNG)": FLAT }[kind];
   if (picture !== undefined) {
-    const blob = await views.picture(picture);
+    const blob = await views.picture(picture, exports.scale());
     const stem = now.mesh.name.replace(/\.[^.]*$/, "");
     if (blob) download(`${stem}-${picture === SURFACE ? "surface" : "pattern"}.png`, blob);
     else say("There is no picture yet.");

@@ -16,6 +16,8 @@ const WHEEL_ZOOM = 1.25;
 const KEY_DRAG = 24;
 /** The longer side of an exported picture has this many pixels at least. */
 const PICTURE_PX = 1600;
+/** The longest side that every graphics backend can draw. */
+const MOST_PX = 8192;
 /** A finger that moves this far paints; one that lifts before has touched, and a second one may still join it. */
 const TOUCH_PX = 4;
 /** The ring that shows where a cone would be added. */
@@ -235,11 +237,12 @@ export class Views {
   /**
    * The picture of a view as a PNG. Drawn and copied in one task: a WebGPU canvas keeps its pixels only so long.
    */
-  picture(view) {
+  picture(view, scale = 1) {
     if (!this.#viewer || !this.#scene) return Promise.resolve(null);
     const canvas = this.#canvas(view);
     const { clientWidth: width, clientHeight: height } = canvas;
-    const ratio = Math.max(devicePixelRatio || 1, PICTURE_PX / Math.max(width, height, 1));
+    const longer = Math.max(width, height, 1);
+    const ratio = Math.min(scale * Math.max(devicePixelRatio || 1, PICTURE_PX / longer), MOST_PX / longer);
     this.#leave();
     this.#viewer.set_brush(0, 0, 0);
     this.#viewer.resize(view, width, height, ratio);

@@ -21,9 +21,12 @@ export function exportMenu(save, pattern) {
   const button = byId("export");
   const menu = byId("export-menu");
   const items = [...menu.querySelectorAll("[role=menuitem]")];
+  const scales = [...menu.querySelectorAll("[role=menuitemradio]")];
   const { show } = popover(button, menu, { opened: () => items.find((item) => !item.disabled)?.focus() });
-  roving(menu, "[role=menuitem]:not(:disabled)");
+  roving(menu, "[role^=menuitem]:not(:disabled)");
   menu.addEventListener("click", ({ target }) => {
+    const chosen = target.closest("[role=menuitemradio]");
+    if (chosen) for (const scale of scales) scale.setAttribute("aria-checked", String(scale === chosen));
     const item = target.closest("[role=menuitem]");
     if (!item) return;
     show(false);
@@ -40,6 +43,8 @@ export function exportMenu(save, pattern) {
     show(true);
   });
   return {
+    /** How many times larger pictures are saved. */
+    scale: () => Number(scales.find((scale) => scale.getAttribute("aria-checked") === "true").value),
     /** Shows what the method has to save. */
     setMethod(id) {
       for (const item of items) item.hidden = (item.dataset.method ?? id) !== id;
