@@ -12,7 +12,7 @@
 //! | 1 | [`geometry`] | lengths, angles, curvature, cotan Laplacian, geodesic distance, nearest points, visibility, symmetries, intrinsic flips, [`geometry::doctor`] |
 //! | 2 | [`methods`] | [`methods::flow`] (the `Flow` contract), [`methods::cutflow`] \[VSC\], [`methods::cones`] \[MAD\], [`methods::phasefield`] \[PF\], [`methods::developable`] (charts that are nearly flat \[LPFB\]), [`methods::cutgraph`] (disks, seams through cones), [`methods::straighten`] (outlines without zigzag, cuts along mesh edges), [`methods::prepare`] (finer, more even, lighter meshes) |
 //! | 3 | [`flatten`] | patch → chart: BFF with isometric, scaled or chosen rims, conformal equivalence, LSCM, DCP, ABF++, fixed rims, isometric refinement; measures, overlaps, splitting, packing; charts → the surface that they make ([`flatten::fold`]) |
-//! | 4 | [`pattern`] | chart → piece in millimetres: seams, sheet, bytes of SVG, OBJ, JSON |
+//! | 4 | [`pattern`] | chart → piece in millimetres: seams, allowance, notches, folds and flaps, nesting, sheet; bytes of SVG, DXF, PDF, OBJ, GLB, PLY, PNG, ZIP, JSON |
 //! | 5 | [`session`] | commands in, events out: documents, parameters, undo, scenes, reports. The only serde |
 //! | 6 | `viewer` | wgpu pictures of [`session::scene`]. Knows no geometry processing |
 //! | 6 | `web` | two wasm files: `Engine` (worker, no graphics) and `Viewer` (page, no solvers) |
@@ -24,7 +24,8 @@
 //! [`methods::prepare`]) → [`mesh::Mesh`] + [`geometry::Geometry`] of unit area, without slivers where it has any →
 //! [`methods::cutflow::CutFlow`] (labels and level sets) → [`mesh::CutMesh`] (the surface refined along the cut) →
 //! [`methods::cutgraph`] (more cuts until all patches are disks) → [`methods::straighten`] → [`mesh::OpenedMesh`] → [`flatten::Flattening`] → packed
-//! charts → [`pattern::Pattern`] → files, and [`session::Scene`] → pictures.
+//! charts → [`pattern::Pattern`] → [`pattern::blanks`] (cut lines, notches, folds) → [`pattern::NestFlow`] (where they lie) → [`pattern::Sheet`] → files, and
+//! [`session::Scene`] → pictures.
 //!
 //! # Invariants, stated as absences
 //!

@@ -155,6 +155,13 @@ impl Maker<'_> {
         } else {
             let widths = self.widths();
             let cut = cut_lines(piece, &widths, &self.params.allowance);
+            let widest = widths.iter().flatten().copied().fold(0.0, f64::max);
+            if widest > 2.0 * piece.room_mm {
+                self.notices.push(format!(
+                    "an allowance of {widest:.1} mm is wider than the piece {} itself",
+                    piece.name
+                ));
+            }
             if widths.iter().flatten().any(|&width| width > 0.0) {
                 self.sewing_lines(&widths);
                 let legs = draw_darts(0, piece, &darts(piece, &widths));

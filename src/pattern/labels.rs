@@ -10,6 +10,8 @@ const NAME_HEIGHTS: [f64; 2] = [1.2, 10.0];
 const SEAM_HEIGHTS: [f64; 2] = [1.2, 3.0];
 /// From one size that does not fit to the next.
 const SMALLER: f64 = 0.85;
+/// Places tried for a line on either side of the name.
+const BESIDE: usize = 12;
 /// Between a text and the outline.
 const GAP: f64 = 1.0;
 /// Where along a seam its label may stand; in the middle if it can.
@@ -25,11 +27,13 @@ pub(super) fn text_width(text: &str, height: f64) -> f64 {
 pub(super) struct Labels<'a> {
     piece: &'a Piece,
     taken: Vec<Bounds>,
+    /// Where the name stands.
+    name: Option<Bounds>,
 }
 
 impl<'a> Labels<'a> {
     pub(super) fn new(piece: &'a Piece) -> Self {
-        Self { piece, taken: Vec::new() }
+        Self { piece, taken: Vec::new(), name: None }
     }
 
     /// Leaves room for a text that has a place already.
@@ -44,17 +48,16 @@ impl<'a> Labels<'a> {
         self.taken.push(Bounds { low, high });
     }
 
-    /// Abscissas beside the text that was placed first, to be tried for an upright line: left, right, and farther out. The middle of the piece
-    /// where there is none.
-    pub(super) fn beside_the_first(&self) -> Vec<f64> {
-        match self.taken.last() {
-            Some(Bounds { low, high }) => {
-                let far = 0.25 * (self.piece.bounds.high[0] - self.piece.bounds.low[0]);
-                let near = 3.0 * GAP;
-                vec![low[0] - near, high[0] + near, low[0] - far, high[0] + far]
-            }
-            None => vec![self.piece.centre[0]],
-        }
+    /// Abscissas to be tried for an upright line beside the name, the nearest first; the middle of the piece where it has no name.
+    pub(super) fn beside_the_name(&self) -> Vec<f64> {
+        let Some(Bounds { low, high }) = self.name else { return vec![self.piece.centre[0]] };
+        let Bounds { low: left, high: right } = self.piece.bounds;
+        let places = (0..BESIDE).flat_map(|k| {
+            let t = k as f64 / BESIDE as f64;
+            let near = 3.0 * GAP;
+            [high[0] + near + t * (right[0] - high[0]), low[0] - near - t * (low[0] - left[0])]
+        });
+        places.collect()
     }
 
     /// Whether an upright line meets no text.
@@ -90,6 +93,7 @@ impl<'a> Labels<'a> {
         });
         let places = places.collect();
         self.taken.push(taken);
+        self.name = Some(taken);
         places
     }
 

@@ -1,15 +1,15 @@
-//! From charts to files: pieces in millimetres, their seams, and the bytes of OBJ, SVG and JSON.
+//! From charts to what a workshop cuts, and to files.
 //!
 //! A chart is unitless; here it gets a size. A [`Piece`] is a chart's outline in millimetres, seen from outside the
-//! surface, y up, with its [`Seam`]s: runs of the outline that are sewn to a run of the same length on the surface. A
-//! [`Sheet`] says what is drawn of the pieces, as plain lines and texts in layers, so that all drawing formats
-//! show the same. Meshes are written in the user's own coordinates, the vertices of the file first and unchanged to the
-//! last bit.
+//! surface, y up, with its [`Seam`]s: runs of the outline that are sewn to a run of the same length on the surface. [`blanks`] makes pieces ready:
+//! [`allowance`], [`notches`], [`folds`](folds()), [`flaps`](flaps()), [`marks`](marks()), smooth outlines ([`curve`]). [`nesting`] says where they lie on their material. A
+//! [`Sheet`] says what is drawn, as plain lines and texts in layers, so that [`svg`](svg()), [`dxf`](dxf()) and [`pdf`](pdf()) show the
+//! same. Meshes are written in the user's own coordinates, the vertices of the file first and unchanged to the last bit.
 //!
-//! Guaranteed: outlines are the exact rims of the charts, never simplified; equal input gives equal bytes; numbers never
-//! depend on a locale; nothing that is not finite is written. What cannot be drawn, or be cut as it is drawn, is told by a
-//! [`Notice`]. Not guaranteed: that outlines do not overlap on the sheet (layout comes from the caller); that the two sides of a
-//! seam are equally long in the plane (both lengths are at hand; the difference is the ease).
+//! Guaranteed: outlines are the exact rims of the charts unless smooth curves are asked for; a cut line never enters its piece, and a layout has the gaps
+//! that it should, or a notice says where not; equal input gives equal bytes; numbers never depend on a locale; nothing that is not finite is
+//! written. Not guaranteed: that the two sides of a seam are equally long in the plane (both lengths are at hand; the difference is the
+//! ease); that a layout is the shortest.
 
 pub mod allowance;
 mod atlas_image;

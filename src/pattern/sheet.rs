@@ -315,7 +315,7 @@ impl Sheet {
         params: &GrainParams,
         labels: &mut Labels,
     ) {
-        let beside = labels.beside_the_first();
+        let beside = labels.beside_the_name();
         let found = beside.into_iter().filter_map(|x| {
             let found = grain_line(&piece.outlines, [x, piece.centre[1]], params)?;
             labels.is_line_free(found.from, found.to).then_some(found)

@@ -130,7 +130,10 @@ impl Session {
     /// Does what a person asks for, in short time.
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         // A project that is still being opened goes no further once somebody takes over.
-        if project::is_kept(&command) || matches!(command, Command::OpenSample { .. }) {
+        let is_looking = matches!(command, Command::Hold { .. } | Command::EndStroke);
+        let is_other =
+            matches!(command, Command::OpenSample { .. } | Command::Undo | Command::Redo);
+        if project::is_kept(&command) && !is_looking || is_other {
             self.replay = Replay::default();
         }
         self.do_again(command)
@@ -768,7 +771,9 @@ impl Session {
                 events.push(work.measures());
             }
             (Effect::Pattern, None) => {
-                work.drop_pattern();
+                if patterning::makes_other_pieces(id) {
+                    work.drop_pattern();
+                }
                 events.push(self.trades_event());
             }
             (Effect::Cones, None) => self.cones_are_due(),
@@ -782,7 +787,7 @@ impl Session {
         events.push(self.history_event());
         events.push(self.status());
         if matches!(effect, Effect::Export | Effect::Pattern) {
-            self.tell_pattern(events)?;
+            self.tell_pattern(events);
         }
         Ok(())
     }

@@ -158,6 +158,7 @@ pub(super) fn is_kept(command: &Command) -> bool {
             | Command::OpenSample { .. }
             | Command::ShowField { .. }
             | Command::ShowFinding { .. }
+            | Command::ShowPattern { .. }
             | Command::DismissError
             | Command::Undo
             | Command::Redo
@@ -292,12 +293,8 @@ impl Session {
                 Vec::new()
             }
         };
-        let has_failed = told.iter().any(|event| matches!(event, Event::Error { .. }));
         events.extend(told);
         self.rest(events);
-        if has_failed {
-            self.replay = Replay::default();
-        }
         if self.replay.is_over() && self.is_running {
             // It was saved in the middle of a run: that is for a person to go on with.
             self.pause(events)?;
@@ -324,7 +321,13 @@ impl Session {
             },
             method: origin.method.id().to_owned(),
             parameters: origin.settings.values(),
-            log: self.log.entries(),
+            // What is still to be done again belongs to it.
+            log: self
+                .log
+                .entries()
+                .into_iter()
+                .chain(self.replay.entries.iter().cloned())
+                .collect(),
         };
         let bytes = serde_json::to_vec(&file).map_err(|error| {
             refused(&document.name, format!("The project could not be written: {error}."))

@@ -38,7 +38,10 @@ impl Session {
 
     pub(super) fn pause(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.is_running = false;
-        self.stop_nesting();
+        if self.is_nesting() {
+            self.stop_nesting();
+            self.tell_pattern(events);
+        }
         self.cones_pause();
         if let Some(fold) = self.work.as_mut().and_then(|work| work.fold.as_mut()) {
             fold.is_running = false;
@@ -167,6 +170,7 @@ impl Session {
             let row = HistoryRow::new(report.step, &energy, &weights);
             work.history.push(row);
             work.is_settled = false;
+            work.drop_given();
             work.stages = None;
             work.fold = None;
             self.scene_is_new = true;

@@ -92,6 +92,7 @@ impl Session {
             work.seam_allowances = allowances;
             work.drop_pattern();
         }
-        self.tell_pattern(events)
+        self.tell_pattern(events);
+        Ok(())
     }
 }

@@ -71,6 +71,10 @@ pub(super) struct Work {
     pub patterning: Option<Patterning>,
     /// Allowances of single seams of that layout, mm.
     pub seam_allowances: BTreeMap<usize, f64>,
+    /// The cut that those seams belong to.
+    seam_edges: Vec<[u32; 2]>,
+    /// A cut from a file that is laid out as it is, until the flow makes another.
+    given: Option<CutMesh>,
     /// The layout at rest is of the current cut.
     pub is_settled: bool,
     /// Shown, but not cut yet.
@@ -93,6 +97,8 @@ pub(super) struct Shelf {
     layout: Option<Layout>,
     is_settled: bool,
     start: Option<Vec<Row>>,
+    seam_allowances: BTreeMap<usize, f64>,
+    seam_edges: Vec<[u32; 2]>,
 }
 
 /// What Undo goes back to.
@@ -143,7 +149,10 @@ impl Work {
             layout: self.layout.take(),
             is_settled: std::mem::take(&mut self.is_settled) && !is_unfinished,
             start: self.start.take(),
+            seam_allowances: std::mem::take(&mut self.seam_allowances),
+            seam_edges: std::mem::take(&mut self.seam_edges),
         };
+        self.drop_pattern();
         self.shelf.insert(self.method, shelf);
         self.method = method;
         self.fold = None;
@@ -151,6 +160,8 @@ impl Work {
         self.layout = other.layout;
         self.is_settled = other.is_settled;
         self.start = other.start;
+        self.seam_allowances = other.seam_allowances;
+        self.seam_edges = other.seam_edges;
         Some(other.field)
     }
 
@@ -214,6 +225,9 @@ impl Work {
             return segmentation.cut(surface).unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
         }
         match &self.flow {
+            _ if self.given.is_some() => {
+                self.given.clone().unwrap_or_else(|| CutMesh::uncut(&surface.mesh))
+            }
             None => CutMesh::uncut(&surface.mesh),
             Some(flow) if surface.solving.is_some() => {
                 flow.cut_mesh_on(&surface.mesh, &surface.geometry)
@@ -280,6 +294,8 @@ impl Work {
             atlas: None,
             patterning: None,
             seam_allowances: BTreeMap::new(),
+            seam_edges: Vec::new(),
+            given: None,
             is_settled: false,
             first_cut_is_due: false,
             start: None,
@@ -294,6 +310,7 @@ impl Work {
     /// Goes on with another flow from its start.
     pub fn begin(&mut self, flow: CutFlow) {
         self.history = vec![first_row(&flow)];
+        self.given = None;
         self.flow = Some(flow);
         self.pending = Pending::None;
         self.fold = None;
@@ -343,8 +360,9 @@ impl Work {
     /// A fold belongs to the layout that it was made of, and so does a refinement.
     fn put_layout(&mut self, layout: Layout) {
         // Seams of another cut have other numbers.
-        if self.layout.as_ref().is_none_or(|old| old.cut.cut_edges != layout.cut.cut_edges) {
+        if self.seam_edges != layout.cut.cut_edges {
             self.seam_allowances.clear();
+            self.seam_edges.clone_from(&layout.cut.cut_edges);
         }
         self.layout = Some(layout);
         self.drop_pattern();
@@ -388,9 +406,9 @@ impl Work {
         let cut = self.cut_mesh(surface);
         let packing = self.layout.take().map(|layout| layout.packing);
         // Patches of triangles end at edges of the mesh as it is.
-        let is_free = self.method != Method::Developable;
+        let is_free = self.method != Method::Developable && self.given.is_none();
         let mut charting = Charting::of(&self.settings);
-        if !is_free && charting.by == FlattenBy::Auto {
+        if self.method == Method::Developable && charting.by == FlattenBy::Auto {
             charting.by = FlattenBy::Lpfb;
         }
         let finish = Finish {
@@ -410,15 +428,16 @@ impl Work {
         Ok(())
     }
 
+    /// The flow has made another cut than the one that was given.
+    pub fn drop_given(&mut self) {
+        self.given = None;
+    }
+
     /// Flattens a cut as it is.
     pub fn lay_out(&mut self, cut: CutMesh) -> Result<(), Problem> {
-        let surface = self.document.surface()?;
-        let layout = Layout::full(surface, cut, &Charting::of(&self.settings), None)
-            .map_err(|error| error.problem(&surface.name))?;
-        self.put_layout(layout);
-        self.is_settled = true;
-        self.begin_refinement();
-        Ok(())
+        self.given = Some(cut);
+        self.first_cut_is_due = false;
+        self.settle()
     }
 
     /// Millimetres per √area.

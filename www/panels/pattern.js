@@ -106,12 +106,12 @@ export function patternPanel(on) {
 
   function seamRow(seam) {
     const ease = seam.flat_mm[0] - seam.flat_mm[1];
-    const input = h("input", { "aria-label": `Allowance of seam ${seam.number}`, inputmode: "decimal", autocomplete: "off", value: fixed(seam.allowance_mm, 1) });
+    const is = fixed(seam.allowance_mm, 1);
+    const input = h("input", { "aria-label": `Allowance of seam ${seam.number}`, inputmode: "decimal", autocomplete: "off", value: is, "data-is": is });
     const commit = () => {
       const text = input.value.trim();
       const value = text === "" ? null : parse(text);
-      if (value === seam.allowance_mm) return;
-      if (value !== null && !(value >= 0)) input.value = fixed(seam.allowance_mm, 1);
+      if (value !== null && !(value >= 0)) input.value = input.dataset.is;
       else on.allowance(seam.number, value);
     };
     input.addEventListener("change", commit);
@@ -122,6 +122,21 @@ export function patternPanel(on) {
       h("td", {}, mm(seam.length_mm)),
       h("td", {}, Math.abs(ease) < 0.05 ? "none" : `${fixed(ease, 1)}\u00a0mm`),
       h("td", { class: "own" }, input, " mm"));
+  }
+
+  /** Whoever stands in the table stays there: as long as the seams are the same, only what they say is written anew. */
+  function showSeams(list) {
+    const rows = list.map(seamRow);
+    const at = document.activeElement;
+    if (seams.contains(at) && rows.length === seams.childElementCount) {
+      rows.forEach((row, i) => {
+        const old = seams.children[i].querySelector("input");
+        old.value = old.dataset.is = row.querySelector("input").value;
+        for (const k of [1, 2, 3]) seams.children[i].children[k].replaceWith(row.children[k].cloneNode(true));
+      });
+    } else {
+      seams.replaceChildren(...rows);
+    }
   }
 
   function pieceRow({ name, size_mm: [width, height], area_mm2: area, copies: [plain, mirrored], hint }) {
@@ -196,7 +211,7 @@ export function patternPanel(on) {
       nest.querySelector("span").textContent = event.is_nesting ? "Stop" : "Improve layout";
       showNotices(report.notices);
       pieces.replaceChildren(...report.pieces.map(pieceRow));
-      if (!seams.contains(document.activeElement)) seams.replaceChildren(...report.seams.map(seamRow));
+      showSeams(report.seams);
       if (isFirst) setZoom(1);
       else layOut();
       showPages();

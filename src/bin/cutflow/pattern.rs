@@ -45,8 +45,8 @@ pub struct PatternArgs {
     /// Any other parameter by its identifier; `--set help` lists them all.
     #[arg(long = "set", value_name = "ID=VALUE", allow_hyphen_values = true)]
     values: Vec<String>,
-    /// Steps of nesting after the first layout; each takes a few hundredths of a second.
-    #[arg(long, value_name = "N", default_value_t = 60)]
+    /// Steps of nesting after the first layout; each takes a few hundredths of a second. The page makes them with Improve layout.
+    #[arg(long, value_name = "N", default_value_t = 0)]
     nest: usize,
     /// What to write, by its ending: .svg .dxf .pdf (pattern), .glb .obj .ply (surface with UV map), .zip (all). May be given several
     /// times.
@@ -189,9 +189,13 @@ pub fn pattern(args: &PatternArgs) -> Result<(), Problem> {
         set(&mut session, id, typed(id, value)?)?;
     }
     finish(&mut session)?;
-    if args.nest > 0 {
+    let mut left = args.nest;
+    while left > 0 {
         tell(session.handle(Command::Nest))?;
-        let mut left = args.nest;
+        // Nothing can be shorter.
+        if !session.is_running() {
+            break;
+        }
         while session.is_running() && left > 0 {
             tell(session.advance(&mut || {
                 left -= 1;
@@ -217,7 +221,7 @@ pub fn pattern(args: &PatternArgs) -> Result<(), Problem> {
 fn tell_pattern(report: &PatternReport) {
     let [width, height] = report.sheet_mm;
     say!(
-        "{} pieces, {} seams, drawing of {width:.0} × {height:.0} mm, {:.0} % of the material used",
+        "pieces: {}, seams: {}, drawing of {width:.0} × {height:.0} mm, {:.0} % of the material used",
         report.pieces.len(),
         report.seams.len(),
         100.0 * report.utilisation

@@ -7,23 +7,44 @@ mod specs;
 use std::collections::BTreeMap;
 
 use super::layout::Layout;
+use super::message::Command;
 use super::message::{Event, TradeChoice, Value};
 use super::params::{Effect, Settings, whole};
 use super::surface::Surface;
 use super::text::Problem;
 use super::work::{Work, base_name};
-use super::{Session, nothing_open};
+use super::{Entry, Session, nothing_open};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::allowance::{AllowanceParams, Corner};
 use crate::pattern::notches::{NotchParams, NotchStyle};
 use crate::pattern::{
     BlankParams, Blanks, Bounds, FlapParams, FlapSide, FoldParams, GrainParams, LaidSurface,
     MarkParams, NestFlow, NestNotice, NestParams, NestPose, NestShape, Paper, Pattern, PdfParams,
-    Placed, Rotations, Sheet, SheetParams, Stock, blanks, check, svg, tiles, uprights,
+    PieceNote, Placed, Rotations, Sheet, SheetParams, Stock, Tile, blanks, check, svg, tiles,
+    uprights,
 };
 
 pub use report::{PageView, PatternPieceReport, PatternReport, PatternSeamReport, PatternView};
 pub use specs::specs;
+
+/// Whether a parameter makes other pieces, or lays them elsewhere; others only draw or write the same ones differently.
+pub(super) fn makes_other_pieces(id: &str) -> bool {
+    !matches!(
+        id,
+        "seam_labels"
+            | "piece_labels"
+            | "hints"
+            | "grain"
+            | "svg_profile"
+            | "dxf_profile"
+            | "dxf_unit"
+            | "paper"
+            | "page_overlap"
+            | "uv_texture"
+            | "uv_pixels"
+            | "uv_margin"
+    )
+}
 
 /// Steps of nesting that are made when somebody asks for them.
 const NESTING_STEPS: usize = 400;
@@ -88,7 +109,16 @@ impl Patterning {
             }
         }
         let wrong = |error| Problem::solve(&surface.name, &error);
-        let mut nest = NestFlow::new(&shapes, &nest_params(settings)).map_err(wrong)?;
+        let nest_params = nest_params(settings);
+        if settings.text("stock") != "free"
+            && nest_params.margin_mm < settings.number("stock_margin")
+        {
+            notices.push(format!(
+                "the margins leave no room on the material: they are taken as {:.1} mm",
+                nest_params.margin_mm
+            ));
+        }
+        let mut nest = NestFlow::new(&shapes, &nest_params).map_err(wrong)?;
         nest.step().map_err(wrong)?;
         Ok(Self { blanks, placed, nest, steps: [1, 1], notices, is_nesting: false })
     }
@@ -204,10 +234,14 @@ fn nest_params(settings: &Settings) -> NestParams {
             _ => Stock::Free,
         },
         gap_mm: settings.number("gap"),
-        margin_mm: if settings.text("stock") == "free" {
-            0.0
-        } else {
-            settings.number("stock_margin")
+        margin_mm: match settings.text("stock") {
+            "free" => 0.0,
+            // Something has to be left between the margins.
+            "roll" => settings.number("stock_margin").min(0.25 * width_mm),
+            _ => settings
+                .number("stock_margin")
+                .min(0.25 * width_mm)
+                .min(0.25 * settings.number("stock_height")),
         },
         rotations: match settings.text("turns") {
             "none" => Rotations::Nap,
@@ -271,7 +305,15 @@ impl Work {
 
     fn pdf_params(&self) -> PdfParams {
         let settings = &self.settings;
+        let made = self.patterning.as_ref();
+        let pieces = made.iter().flat_map(|made| {
+            made.placed.iter().map(|&(blank, _, is_mirrored)| PieceNote {
+                count: if is_mirrored { "1 mirrored".into() } else { String::new() },
+                note: made.blanks.pieces[blank].hints.to_string(),
+            })
+        });
         PdfParams {
+            pieces: pieces.collect(),
             paper: match settings.text("paper") {
                 "a3" => Paper::A3,
                 "letter" => Paper::Letter,
@@ -283,16 +325,41 @@ impl Work {
         }
     }
 
-    /// What page and command are told of the pattern.
-    pub(super) fn pattern_report(&mut self) -> Result<PatternReport, Problem> {
+    /// The sheet as it would be written now.
+    fn view(&mut self) -> Result<PatternView, Problem> {
         let sheet = self.sheet()?;
+        let mut report = self.report_of(&sheet)?;
+        let pages = tiles(&sheet, &self.pdf_params()).unwrap_or_else(|error| {
+            report.notices.push(format!("no PDF: {error}"));
+            Vec::new()
+        });
+        let height = sheet.size[1];
+        let page = |tile: Tile| PageView {
+            name: tile.name,
+            frame: [
+                tile.low[0],
+                height - tile.high[1],
+                tile.high[0] - tile.low[0],
+                tile.high[1] - tile.low[1],
+            ],
+        };
+        let pages = pages.into_iter().map(page).collect();
+        let svg = svg(&sheet, &exports::svg_params(&self.settings))
+            .map_err(|error| exports::unwritten(&self.document.name, &error))?;
+        let is_nesting = self.patterning.as_ref().is_some_and(|made| made.is_nesting);
+        let svg = String::from_utf8_lossy(&svg).into_owned();
+        Ok(PatternView { svg, pages, report, is_nesting })
+    }
+
+    /// What page and command are told of the pattern.
+    fn report_of(&mut self, sheet: &Sheet) -> Result<PatternReport, Problem> {
         let params = blank_params(&self.settings, &self.seam_allowances);
         let is_roll = self.settings.text("stock") == "roll";
         let made = self.pattern()?;
         let mut notices = made.notices.clone();
         let state = made.nest.state();
         notices.extend(state.notices.iter().map(|notice| made.told(notice)));
-        if let Ok(told) = check(&sheet) {
+        if let Ok(told) = check(sheet) {
             notices.extend(told.iter().map(ToString::to_string));
         }
         let name = |patch: usize| crate::pattern::piece_name(patch);
@@ -345,7 +412,9 @@ impl Session {
 
     /// The report of `cutflow pattern`.
     pub fn pattern_report(&mut self) -> Result<PatternReport, Problem> {
-        self.settled()?.pattern_report()
+        let work = self.settled()?;
+        let sheet = work.sheet()?;
+        work.report_of(&sheet)
     }
 
     pub(super) fn show_pattern(
@@ -361,38 +430,25 @@ impl Session {
         // Made of the cut at rest.
         if self.is_running {
             self.pause(events)?;
+            self.log.push(Entry::Do(Command::Pause));
         }
         self.settled()?;
         events.push(self.trades_event());
-        self.tell_pattern(events)
+        self.tell_pattern(events);
+        Ok(())
     }
 
     /// Tells what the sheet has become, if somebody looks at it.
-    pub(super) fn tell_pattern(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+    pub(super) fn tell_pattern(&mut self, events: &mut Vec<Event>) {
         if !self.is_pattern_shown || self.is_running || !self.replay.is_over() {
-            return Ok(());
+            return;
         }
-        let Some(work) = self.work.as_mut().filter(|work| work.is_settled) else { return Ok(()) };
-        let sheet = work.sheet()?;
-        let pages = tiles(&sheet, &work.pdf_params()).unwrap_or_default();
-        let height = sheet.size[1];
-        let pages = pages.into_iter().map(|tile| PageView {
-            name: tile.name,
-            frame: [
-                tile.low[0],
-                height - tile.high[1],
-                tile.high[0] - tile.low[0],
-                tile.high[1] - tile.low[1],
-            ],
-        });
-        let pages = pages.collect();
-        let svg = svg(&sheet, &exports::svg_params(&work.settings))
-            .map_err(|error| exports::unwritten(&work.document.name, &error))?;
-        let report = work.pattern_report()?;
-        let is_nesting = work.patterning.as_ref().is_some_and(|made| made.is_nesting);
-        let svg = String::from_utf8_lossy(&svg).into_owned();
-        events.push(Event::Pattern(PatternView { svg, pages, report, is_nesting }));
-        Ok(())
+        let Some(work) = self.work.as_mut().filter(|work| work.is_settled) else { return };
+        match work.view() {
+            Ok(view) => events.push(Event::Pattern(view)),
+            // What was asked for is in force all the same.
+            Err(problem) => events.push(super::error_event(problem)),
+        }
     }
 
     pub(super) fn nest(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
@@ -403,7 +459,8 @@ impl Session {
         made.steps[1] = made.steps[0] + NESTING_STEPS;
         made.is_nesting = made.nest.status() == Status::Running;
         events.push(self.status());
-        self.tell_pattern(events)
+        self.tell_pattern(events);
+        Ok(())
     }
 
     pub(super) fn stop_nesting(&mut self) {
@@ -430,7 +487,7 @@ impl Session {
         let has_ended = !made.is_nesting;
         result.map_err(|error| Problem::solve(&work.document.name, &error))?;
         if is_better || has_ended {
-            self.tell_pattern(events)?;
+            self.tell_pattern(events);
         }
         Ok(())
     }
@@ -514,6 +571,7 @@ impl Session {
         };
         work.drop_pattern();
         events.push(self.history_event());
-        self.tell_pattern(events)
+        self.tell_pattern(events);
+        Ok(())
     }
 }

@@ -225,7 +225,7 @@ fn files() -> Vec<ParamSpec> {
             "What neighbouring pages share; 0 joins them edge to edge.")
             .group(FILES).only_if("paper", &["a4", "a3", "letter"]),
         choice(FILES, "uv_texture", "Texture in GLB",
-            &[("checker", "Checkerboard"), ("atlas", "Pieces, baked"), ("none", "None")],
+            &[("checker", "Checkerboard"), ("atlas", "Pieces, baked")],
             "A picture for the UV map of the GLB: checks show the stretch; baked pieces show what goes where."),
         choice(FILES, "uv_pixels", "Texture size",
             &[("1024", "1024 px"), ("2048", "2048 px"), ("4096", "4096 px")],
