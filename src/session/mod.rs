@@ -94,6 +94,9 @@ const SHOWN_FIRST: usize = 50_000;
 /// The export that holds everything.
 const PROJECT: &str = "Project (JSON)";
 
+/// All files that there are of a cut.
+const ARCHIVE: &str = "All files (ZIP)";
+
 /// One open mesh, its cut, and the way back.
 #[derive(Default)]
 pub struct Session {
@@ -475,6 +478,11 @@ impl Session {
         }
         if kind != work::MESH {
             self.settled()?;
+        }
+        if kind == ARCHIVE {
+            let project = self.project()?;
+            let Some(work) = &mut self.work else { return Err(nothing_open()) };
+            return work.archive(project);
         }
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         work.export(kind)

@@ -650,7 +650,8 @@ impl Work {
             _ => Err(Problem::new(
                 format!("There is no export called “{kind}”."),
                 "In the choice of an export.",
-                "Choose Mesh (OBJ), UV mesh (OBJ), Cut curves (OBJ), Cut (JSON), Cones (JSON), Pattern (SVG) or Report (JSON).",
+                "Choose Mesh (OBJ), UV mesh (OBJ), UV mesh (GLB), Flat mesh (OBJ), Cut surface (PLY), Cut curves (OBJ), Cut (JSON), Cones (JSON), \
+                 Pattern (SVG), Pattern (DXF), Pattern (PDF), Report (JSON), Project (JSON) or All files (ZIP).",
             )),
         }
     }

@@ -247,9 +247,16 @@ fn every_file_can_be_had_and_all_are_in_one_archive() {
         assert_eq!(file.bytes, session.export(kind).unwrap().bytes, "{kind} is the same again");
     }
     let zip = written(&mut session, "All files (ZIP)");
-    for name in
-        ["pattern.svg", "pattern_mm.dxf", "pattern.pdf", "uv.glb", "flat.obj", "report.json"]
-    {
+    for name in [
+        "pattern.svg",
+        "pattern_mm.dxf",
+        "pattern.pdf",
+        "uv.glb",
+        "flat.obj",
+        "report.json",
+        "project.json",
+        "pattern.json",
+    ] {
         let is_there = zip.windows(name.len()).any(|window| window == name.as_bytes());
         assert!(is_there, "{name} is missing");
     }
@@ -257,4 +264,85 @@ fn every_file_can_be_had_and_all_are_in_one_archive() {
     let checks = written(&mut session, "UV mesh (GLB)");
     set(&mut session, "uv_texture", text("atlas"));
     assert!(written(&mut session, "UV mesh (GLB)").len() > checks.len());
+}
+
+#[test]
+fn each_method_has_its_own_pattern() {
+    let mut session = ball();
+    let first = written(&mut session, "Pattern (SVG)");
+    session.handle(Command::SetMethod { id: "developable".into() });
+    session.handle(Command::Run);
+    while session.is_running() {
+        session.advance(&mut || true);
+    }
+    let other = session.pattern_report().unwrap();
+    assert!(other.pieces.len() > 2, "a ball takes many pieces that lie flat");
+    assert_ne!(written(&mut session, "Pattern (SVG)"), first);
+    session.handle(Command::SetMethod { id: "cutflow".into() });
+    assert_eq!(written(&mut session, "Pattern (SVG)"), first);
+}
+
+#[test]
+fn an_allowance_of_its_own_stays_while_charts_of_the_same_cut_change() {
+    let mut session = ball();
+    session.handle(Command::SetSeamAllowance { seam: 1, mm: Some(12.0) });
+    set(&mut session, "refine", text("dirichlet"));
+    assert_eq!(session.pattern_report().unwrap().seams[0].allowance_mm, 12.0);
+}
+
+#[test]
+fn a_given_cut_is_laid_out_as_it_is_whatever_charts_are_made_of_it() {
+    let mut session = ball();
+    for _ in 0..3 {
+        session.handle(Command::Step);
+    }
+    let cut = written(&mut session, "Cut (JSON)");
+    let mut other = ball();
+    let before = other.pattern_report().unwrap().seams[0].length_mm;
+    other.lay_out_cut("cut.json", &cut).unwrap();
+    let given = other.pattern_report().unwrap().seams[0].length_mm;
+    assert!((given - before).abs() > 0.5, "three steps move the cut");
+    set(&mut other, "flatten", text("lscm"));
+    let again = other.pattern_report().unwrap();
+    // The same way on the surface; outlines of this flattening need not have its length.
+    assert!((again.seams[0].length_mm - given).abs() < 1e-9 * given);
+}
+
+#[test]
+fn stopping_says_so_and_what_is_only_drawn_differently_keeps_the_layout() {
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: "tennis_ball".into() });
+    session.handle(Command::ShowPattern { is_shown: true });
+    session.handle(Command::Nest);
+    for _ in 0..4 {
+        session.advance(&mut || false);
+    }
+    let view = shown(&session.handle(Command::Pause)).unwrap();
+    assert!(!view.is_nesting);
+    let steps = view.report.nesting_steps;
+    for (id, value) in
+        [("svg_profile", text("laser")), ("paper", text("a3")), ("hints", Value::Truth(true))]
+    {
+        let view = shown(&set(&mut session, id, value)).unwrap();
+        assert_eq!(view.report.nesting_steps, steps, "{id}");
+    }
+    let view = shown(&set(&mut session, "gap", Value::Number(9.0))).unwrap();
+    assert!(view.report.nesting_steps < steps, "another gap is another layout");
+}
+
+#[test]
+fn margins_that_leave_no_room_and_sizes_for_no_printer_are_told() {
+    let mut session = ball();
+    session.handle(Command::ShowPattern { is_shown: true });
+    set(&mut session, "stock", text("roll"));
+    set(&mut session, "stock_margin", Value::Number(100.0));
+    let view = shown(&set(&mut session, "stock_width", Value::Number(150.0))).unwrap();
+    assert!(
+        view.report.notices.iter().any(|n| n.contains("leave no room")),
+        "{:?}",
+        view.report.notices
+    );
+    session.handle(Command::ApplyTrade { id: "plain".into() });
+    let view = shown(&set(&mut session, "size", Value::Number(1e5))).unwrap();
+    assert!(view.report.notices.iter().any(|n| n.contains("no PDF")), "{:?}", view.report.notices);
 }

@@ -6,6 +6,7 @@ use super::super::scene::PALETTE;
 use super::super::text::Problem;
 use super::super::work::{Work, stem};
 use super::super::{nothing_open, picture, size};
+use super::Patterning;
 use crate::pattern::{
     self, AstmParams, AtlasImageParams, Channels, DxfParams, FileFault, NestShape, SvgParams,
     SvgProfile, Texture, UvPackParams, WriteError, ZipEntry, pack_uv,
@@ -39,10 +40,15 @@ pub(super) fn svg_params(settings: &Settings) -> SvgParams {
     }
 }
 
-fn dxf_params(settings: &Settings) -> DxfParams {
+/// **Takes** for each piece on the sheet whether it is mirrored.
+fn dxf_params(settings: &Settings, mirrored: impl Iterator<Item = bool>) -> DxfParams {
     match settings.text("dxf_profile") {
-        "astm" => DxfParams::Astm(AstmParams::default()),
-        "gerber" => DxfParams::Astm(AstmParams { is_gerber: true, ..AstmParams::default() }),
+        profile @ ("astm" | "gerber") => DxfParams::Astm(AstmParams {
+            is_gerber: profile == "gerber",
+            // Every copy is a block of its own.
+            quantities: mirrored.map(|is| if is { [0, 1] } else { [1, 0] }).collect(),
+            ..AstmParams::default()
+        }),
         profile => DxfParams::Plain {
             is_exploded: profile == "exploded",
             is_strict: !settings.is_on("dxf_unit"),
@@ -116,7 +122,7 @@ pub(in super::super) fn uv_charts(work: &Work) -> Result<Vec<[f64; 2]>, Problem>
 }
 
 impl Work {
-    /// A drawing of the pattern, a mesh with its UV map, or all in one archive; none for other kinds.
+    /// A drawing of the pattern, or a mesh with its UV map; none for other kinds.
     pub(in super::super) fn pattern_export(&mut self, kind: &str) -> Option<Result<File, Problem>> {
         let bytes = match kind {
             "Pattern (SVG)" => self.svg_bytes(),
@@ -124,7 +130,6 @@ impl Work {
             "Pattern (PDF)" => self.pdf_bytes(),
             "UV mesh (OBJ)" | "UV mesh (GLB)" | "Cut surface (PLY)" => self.uv_mesh(kind),
             "Flat mesh (OBJ)" => self.flat_mesh(),
-            "All files (ZIP)" => self.archive(),
             _ => return None,
         };
         let (suffix, mime) = match kind {
@@ -134,8 +139,7 @@ impl Work {
             "UV mesh (OBJ)" => ("uv.obj", "model/obj"),
             "UV mesh (GLB)" => ("uv.glb", "model/gltf-binary"),
             "Cut surface (PLY)" => ("uv.ply", "application/octet-stream"),
-            "Flat mesh (OBJ)" => ("flat.obj", "model/obj"),
-            _ => ("cutflow.zip", "application/zip"),
+            _ => ("flat.obj", "model/obj"),
         };
         let name = format!("{}-{suffix}", stem(&self.document.name));
         Some(bytes.map(|bytes| File { name, mime, bytes }))
@@ -149,7 +153,8 @@ impl Work {
 
     fn dxf_bytes(&mut self) -> Result<Vec<u8>, Problem> {
         let sheet = self.sheet()?;
-        pattern::dxf(&sheet, &dxf_params(&self.settings))
+        let made = self.patterning.iter().flat_map(Patterning::mirrored);
+        pattern::dxf(&sheet, &dxf_params(&self.settings, made))
             .map_err(|error| unwritten(&self.document.name, &error))
     }
 
@@ -221,15 +226,25 @@ impl Work {
         ))
     }
 
-    /// All files in one.
-    fn archive(&mut self) -> Result<Vec<u8>, Problem> {
-        let mut files = Vec::new();
+    /// All files in one, and the project.
+    pub(in super::super) fn archive(&mut self, project: File) -> Result<File, Problem> {
+        let mut files = vec![project];
         for kind in ARCHIVED {
             files.push(self.export(kind)?);
         }
         files.push(self.export("Report (JSON)")?);
+        let sheet = self.sheet()?;
+        let report = self.report_of(&sheet)?;
+        let stem = stem(&self.document.name);
+        files.push(File {
+            name: format!("{stem}-pattern.json"),
+            mime: "application/json",
+            bytes: self.json(&report)?,
+        });
         let entries: Vec<ZipEntry> =
             files.iter().map(|file| ZipEntry { name: &file.name, bytes: &file.bytes }).collect();
-        pattern::zip(&entries).map_err(|fault| too_large(&self.document.name, fault))
+        let bytes =
+            pattern::zip(&entries).map_err(|fault| too_large(&self.document.name, fault))?;
+        Ok(File { name: format!("{stem}-cutflow.zip"), mime: "application/zip", bytes })
     }
 }

@@ -123,6 +123,11 @@ impl Patterning {
         Ok(Self { blanks, placed, nest, steps: [1, 1], notices, is_nesting: false })
     }
 
+    /// For each piece on the sheet whether it is mirrored.
+    fn mirrored(&self) -> impl Iterator<Item = bool> + '_ {
+        self.placed.iter().map(|(_, _, is_mirrored)| *is_mirrored)
+    }
+
     /// The sheet as it is now.
     fn sheet(&self, params: &SheetParams) -> Sheet {
         let state = self.nest.state();
