@@ -37,6 +37,8 @@ pub struct SvgParams {
     pub text_as_paths: bool,
     /// With a laser: folds and scores as short cuts with bridges between instead of whole lines.
     pub perforation: bool,
+    /// Lines are at least as wide, mm: for a look at a whole sheet, on which a hairline cannot be seen.
+    pub least_stroke_mm: f64,
 }
 
 /// Length of the cuts of a perforation, and of the bridges between.
@@ -100,7 +102,8 @@ impl Writer<'_> {
     fn open_group(&self, out: &mut String, layer: Layer) {
         let style = style(layer);
         let (id, label, stroke) = (style.id, style.label, self.colour(layer));
-        let width = millimetre_text(if self.is_laser { HAIRLINE } else { WIDTH });
+        let width = if self.is_laser { HAIRLINE } else { WIDTH };
+        let width = millimetre_text(width.max(self.params.least_stroke_mm));
         *out += &format!(
             "<g id=\"{id}\" class=\"{id}\" inkscape:groupmode=\"layer\" inkscape:label=\"{label}\" \
              fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width}\" stroke-linejoin=\"round\" \

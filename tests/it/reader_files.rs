@@ -42,7 +42,7 @@ struct Files<'a> {
     /// Units of the file in one of the charts.
     chart_unit: f64,
     sheet: Sheet,
-    /// Whether the pieces unfold without distortion.
+    /// Whether both sides of every seam are equally long in the plane: the pieces unfold without distortion, or rims have true length.
     is_developable: bool,
 }
 
@@ -138,8 +138,21 @@ fn sheet_model(sheet: &Sheet) -> serde_json::Value {
         .pattern
         .pieces
         .iter()
-        .flat_map(|piece| piece.seams.iter().map(move |seam| (piece, seam)))
-        .map(|(piece, seam)| {
+        .enumerate()
+        .flat_map(|(p, piece)| {
+            piece.seams.iter().enumerate().map(move |(s, seam)| (p, piece, s, seam))
+        })
+        .map(|(p, piece, s, seam)| {
+            // As it is drawn: made smooth, where it has a line of its own.
+            let mut drawn = sheet.lines.iter().filter(|line| line.layer == Layer::Sew);
+            let drawn = drawn.find(|line| line.piece == Some(p) && line.seam == Some(s));
+            let points = drawn.map_or_else(
+                || piece.seam_points(seam),
+                |line| {
+                    let first = line.is_closed.then(|| line.points[0]);
+                    line.points.iter().copied().chain(first).collect()
+                },
+            );
             let (partner, is_second) = match seam.partner {
                 Partner::Patch(patch) => (piece_name(patch), false),
                 Partner::Own { is_second } => (piece.name.clone(), is_second),
@@ -150,7 +163,7 @@ fn sheet_model(sheet: &Sheet) -> serde_json::Value {
                 "partner": partner,
                 "is_second": is_second,
                 "closed": seam.is_closed,
-                "points": piece.seam_points(seam),
+                "points": points,
                 "surface_length": seam.surface_length_mm,
             })
         })
@@ -224,7 +237,7 @@ fn write_session(folder: &Path, name: &str, session: &mut Session, input: &[u8])
         charts: &charts,
         chart_unit: 1.0 / scale,
         sheet,
-        is_developable: false,
+        is_developable: name == "ball",
     };
     files.write("input.obj", input);
     files.write_all();

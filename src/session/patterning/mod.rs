@@ -20,8 +20,8 @@ use crate::pattern::notches::{NotchParams, NotchStyle};
 use crate::pattern::{
     BlankParams, Blanks, Bounds, FlapParams, FlapSide, FoldParams, GrainParams, LaidSurface,
     MarkParams, NestFlow, NestNotice, NestParams, NestPose, NestShape, Paper, Pattern, PdfParams,
-    PieceNote, Placed, Rotations, Sheet, SheetParams, Stock, Tile, blanks, check, svg, tiles,
-    uprights,
+    PieceNote, Placed, Rotations, Sheet, SheetParams, Stock, SvgParams, Tile, blanks, check, svg,
+    tiles, uprights,
 };
 
 pub use report::{PageView, PatternPieceReport, PatternReport, PatternSeamReport, PatternView};
@@ -48,6 +48,8 @@ pub(super) fn makes_other_pieces(id: &str) -> bool {
 
 /// Steps of nesting that are made when somebody asks for them.
 const NESTING_STEPS: usize = 400;
+/// Widths of a line, as it is shown, that the longer side of the sheet has.
+const SHOWN_STROKES: f64 = 1500.0;
 /// Sheets of stock that there are: as many as it takes.
 const MOST_SHEETS: usize = 1000;
 
@@ -349,7 +351,9 @@ impl Work {
             ],
         };
         let pages = pages.into_iter().map(page).collect();
-        let svg = svg(&sheet, &exports::svg_params(&self.settings))
+        let least_stroke_mm = sheet.size[0].max(sheet.size[1]) / SHOWN_STROKES;
+        let params = SvgParams { least_stroke_mm, ..exports::svg_params(&self.settings) };
+        let svg = svg(&sheet, &params)
             .map_err(|error| exports::unwritten(&self.document.name, &error))?;
         let is_nesting = self.patterning.as_ref().is_some_and(|made| made.is_nesting);
         let svg = String::from_utf8_lossy(&svg).into_owned();

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// The sheet of a pattern as it would be written now.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PatternView {
-    /// The very SVG that the export writes, in its print profile.
+    /// The SVG that the export writes, with lines wide enough to be seen when the whole sheet is.
     pub svg: String,
     /// Pages that the PDF would have, on the sheet.
     pub pages: Vec<PageView>,
