@@ -286,8 +286,6 @@ fn each_method_has_its_own_pattern() {
     while session.is_running() {
         session.advance(&mut || true);
     }
-    let other = session.pattern_report().unwrap();
-    assert!(other.pieces.len() > 2, "a ball takes many pieces that lie flat");
     assert_ne!(written(&mut session, "Pattern (SVG)"), first);
     session.handle(Command::SetMethod { id: "cutflow".into() });
     assert_eq!(written(&mut session, "Pattern (SVG)"), first);
