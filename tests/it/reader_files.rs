@@ -42,8 +42,10 @@ struct Files<'a> {
     /// Units of the file in one of the charts.
     chart_unit: f64,
     sheet: Sheet,
-    /// Whether both sides of every seam are equally long in the plane: the pieces unfold without distortion, or rims have true length.
+    /// Whether the pieces unfold without distortion.
     is_developable: bool,
+    /// Whether both sides of every seam are as long in the plane as on the surface.
+    has_true_rims: bool,
 }
 
 impl Files<'_> {
@@ -94,6 +96,7 @@ impl Files<'_> {
         let patches: Vec<u32> = surface.opened.face_patches.clone();
         let mut model = json!({
             "is_developable": self.is_developable,
+            "has_true_rims": self.has_true_rims,
             "input_vertices": soup.positions.len(),
             "new_points": surface.cut.points.len() - surface.mesh.vertex_count(),
             "mm_per_unit": surface.mm_per_unit,
@@ -164,6 +167,7 @@ fn sheet_model(sheet: &Sheet) -> serde_json::Value {
                 "is_second": is_second,
                 "closed": seam.is_closed,
                 "points": points,
+                "start": piece.seam_points(seam)[0],
                 "surface_length": seam.surface_length_mm,
             })
         })
@@ -205,6 +209,7 @@ fn write_example(folder: &Path, name: &str, example: &Example, mm_per_unit: f64)
         chart_unit: 1.0,
         sheet: example.sheet(&pattern, mm_per_unit, &params),
         is_developable: true,
+        has_true_rims: true,
     };
     files.write("input.obj", &cutflow::pattern::mesh_obj(&example.soup, None));
     files.write_all();
@@ -237,7 +242,8 @@ fn write_session(folder: &Path, name: &str, session: &mut Session, input: &[u8])
         charts: &charts,
         chart_unit: 1.0 / scale,
         sheet,
-        is_developable: name == "ball",
+        is_developable: false,
+        has_true_rims: name == "ball",
     };
     files.write("input.obj", input);
     files.write_all();

@@ -209,7 +209,7 @@ def check_seams(model, found, hold):
         if len(measured) == 2:
             worst = max(worst, abs(measured[0] - measured[1]))
     hold(len(runs) > 0, f"seams are found on the outlines of {layer}")
-    if model["is_developable"]:
+    if model["has_true_rims"]:
         hold(worst <= SEAM, f"partner seams are equally long, to {SEAM} mm ({worst:.5f})")
         check_notches(runs, sides, notches, hold)
 
@@ -238,11 +238,18 @@ def check_notches(runs, sides, notches, hold):
         if (number, 0) not in runs or (number, 1) not in runs:
             continue
         total = length(runs[number, 1])
-        mine = sorted(places[number, 0])
-        theirs = sorted(total - x for x in places[number, 1])
+        mine, theirs = places[number, 0], [total - x for x in places[number, 1]]
         if len(mine) != len(theirs):
             raise AssertionError(f"seam {number} has {len(mine)} notches on one side and {len(theirs)} on the other")
-        worst = max([worst, *(abs(a - b) for a, b in zip(mine, theirs))])
+        if sides[number][0]["closed"]:
+            # Both sides begin at one point of the surface, wherever their lines are begun.
+            begins = [along(runs[number, k], numpy.asarray(sides[number][k]["start"]))[1] for k in (0, 1)]
+            mine = [(x - begins[0]) % total for x in mine]
+            theirs = [(x + begins[1]) % total for x in theirs]
+            gaps = [min(min(abs(a - b), total - abs(a - b)) for b in theirs) for a in mine]
+        else:
+            gaps = [abs(a - b) for a, b in zip(sorted(mine), sorted(theirs))]
+        worst = max([worst, *gaps])
     hold(worst <= NOTCH, f"notches of partners meet, to {NOTCH} mm ({worst:.5f})")
 
 
