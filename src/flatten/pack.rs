@@ -230,7 +230,7 @@ fn bounds(hull: &[Point2<f64>], angle: f64) -> (Point2<f64>, Point2<f64>) {
 }
 
 /// Corners of the convex hull, counter-clockwise, none on a side (monotone chain).
-fn convex_hull(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
+pub(crate) fn convex_hull(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
     let mut sorted = points.to_vec();
     sorted.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     sorted.dedup();

@@ -1,7 +1,9 @@
 //! Motions, distances and outlines in the plane.
 
+use nalgebra::Point2;
 use robust::{Coord, orient2d};
 
+use crate::flatten::pack;
 use crate::pattern::piece::Bounds;
 
 /// A turn about the origin after a mirroring x to −x or none: an orthogonal matrix by rows.
@@ -185,31 +187,10 @@ pub(super) fn winding<'a>(
     turns
 }
 
-/// Corners of the convex hull, counter-clockwise (monotone chain).
+/// Corners of the convex hull, counter-clockwise.
 pub(super) fn convex_hull(points: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
-    let mut sorted: Vec<[f64; 2]> = points.into_iter().collect();
-    sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    sorted.dedup();
-    if sorted.len() < 3 {
-        return sorted;
-    }
-    let mut hull: Vec<[f64; 2]> = Vec::new();
-    let mut chain = |points: &mut dyn Iterator<Item = &[f64; 2]>| {
-        let start = hull.len();
-        for &p in points {
-            while hull.len() >= start + 2
-                && orientation(hull[hull.len() - 2], hull[hull.len() - 1], p) <= 0.0
-            {
-                hull.pop();
-            }
-            hull.push(p);
-        }
-        // The other chain begins with it.
-        hull.pop();
-    };
-    chain(&mut sorted.iter());
-    chain(&mut sorted.iter().rev());
-    hull
+    let points: Vec<Point2<f64>> = points.into_iter().map(Point2::from).collect();
+    pack::convex_hull(&points).into_iter().map(Into::into).collect()
 }
 
 /// A closed outline with fewer points, none of the left out ones farther than a tolerance from its new side (Douglas and Peucker
