@@ -42,6 +42,7 @@ mod piece;
 mod plane;
 mod ply;
 mod png;
+mod portrait;
 mod seam;
 mod sheet;
 mod split;
@@ -79,6 +80,7 @@ pub use pdf::{Orientation, Paper, PdfParams, Picture, PieceNote, Tile, pdf, tile
 pub use piece::{Bounds, Notice, Outline, Pattern, Piece, piece_name};
 pub use ply::uv_ply;
 pub use png::{Channels, png};
+pub use portrait::{PortraitParams, portrait, side_by_side};
 pub use seam::{Partner, Seam};
 pub use sheet::{Layer, Line, Placed, Sheet, SheetParams, Text};
 pub use svg::{SvgParams, SvgProfile, svg};

@@ -375,6 +375,10 @@ impl Session {
         std::mem::take(&mut self.late)
     }
 
+    fn is_stroke_open(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| work.pending == Pending::Stroke)
+    }
+
     /// The stroke has ended: what it painted is where the flow starts.
     pub(super) fn end_stroke(&mut self) {
         if let Some(work) = self.work.as_mut().filter(|work| work.pending == Pending::Stroke) {
@@ -517,7 +521,19 @@ impl Session {
     pub fn lay_out_cut(&mut self, name: &str, bytes: &[u8]) -> Result<(), Problem> {
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         let cut = cut_from_json(work.document.surface()?, name, bytes)?;
-        work.lay_out(cut)
+        work.lay_out(cut)?;
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        self.log.push(Entry::LayOut { name: name.to_owned(), cut: text });
+        Ok(())
+    }
+
+    /// Lays out the very UV seams of the mesh, along its edges: a flow that starts from them follows them within half an edge.
+    pub fn lay_out_uv_seams(&mut self) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        let cut = cut_from_uv(work.document.surface()?)?;
+        work.lay_out(cut)?;
+        self.log.push(Entry::LayOutUvSeams);
+        Ok(())
     }
 
     /// The work with a cut that is flattened whole.
@@ -527,9 +543,14 @@ impl Session {
             self.make_first_cut(&mut events);
             self.late.extend(events);
         }
-        self.end_stroke();
+        if self.is_stroke_open() {
+            self.end_stroke();
+            self.log.push(Entry::Do(Command::EndStroke));
+        }
         if self.is_behind() {
             let mut events = Vec::new();
+            // What a step would have done is a step of the project too.
+            self.log.step();
             self.catch_up(&mut events)?;
             self.late.extend(events);
         }

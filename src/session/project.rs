@@ -42,6 +42,10 @@ pub(super) enum Entry {
     Do(Command),
     /// What a driver brought along.
     Bring(Gift),
+    /// A cut.json that was laid out as it is.
+    LayOut { name: String, cut: String },
+    /// The UV seams of the mesh, laid out as they are.
+    LayOutUvSeams,
     /// Steps of whatever was running.
     Steps(usize),
 }
@@ -282,6 +286,14 @@ impl Session {
         let told = match entry {
             Entry::Do(command) => self.do_again(command),
             Entry::Bring(gift) => self.bring(gift.brought()),
+            Entry::LayOut { name, cut } => {
+                self.lay_out_cut(&name, cut.as_bytes())?;
+                Vec::new()
+            }
+            Entry::LayOutUvSeams => {
+                self.lay_out_uv_seams()?;
+                Vec::new()
+            }
             Entry::Steps(count) => {
                 if self.has_work() {
                     self.log.step();

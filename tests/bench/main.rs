@@ -7,7 +7,9 @@ mod develop;
 mod memory;
 mod phasefield;
 mod spheres;
+mod stages;
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -285,7 +287,10 @@ fn main() {
         return;
     }
     let is_quick = arguments.iter().any(|a| a == "--quick");
-    let json = arguments.iter().position(|a| a == "--json").and_then(|i| arguments.get(i + 1));
+    let value = |name: &str| {
+        arguments.iter().position(|a| a == name).and_then(|i| arguments.get(i + 1))
+    };
+    let json = value("--json");
     // First, while this process is small itself.
     let mut rows = memory::rows();
 
@@ -390,6 +395,9 @@ fn main() {
     rows.extend(phasefield::rows());
     rows.extend(develop::rows());
     rows.extend(import_speeds());
+    if let Some(folder) = value("--meshes") {
+        rows.extend(stages::rows(is_quick, Path::new(folder)));
+    }
 
     for row in &rows {
         let sign = if row.unit == "MB/s" { '≥' } else { '≤' };

@@ -105,3 +105,54 @@ fn projects_that_cannot_be_read_are_refused_in_three_parts_and_lose_nothing() {
         assert_eq!(session.export("Mesh (OBJ)").unwrap().bytes, before);
     }
 }
+
+#[test]
+fn a_cut_that_was_laid_out_as_it_is_comes_back() {
+    let mut first = Session::new();
+    first.handle(Command::OpenSample { name: "ball".into() });
+    first.handle(Command::Run);
+    run(&mut first, 5);
+    first.handle(Command::Pause);
+    let cut = first.export("Cut (JSON)").unwrap().bytes;
+
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: "ball".into() });
+    session.lay_out_cut("cut.json", &cut).unwrap();
+    assert_same(&mut session, &["Cut (JSON)", "UV mesh (OBJ)"]);
+    // Another cut than the one that the sample starts with.
+    let mut fresh = Session::new();
+    fresh.handle(Command::OpenSample { name: "ball".into() });
+    assert!(fresh.export("Cut (JSON)").unwrap().bytes != session.export("Cut (JSON)").unwrap().bytes);
+}
+
+#[test]
+fn uv_seams_that_were_laid_out_as_they_are_come_back() {
+    let mesh = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 0.5 0.5\nf 1/1 2/2 3/3\nf 1/4 3/5 4/1\n";
+    let mut session = Session::new();
+    session.open("square.obj", mesh.as_bytes());
+    session.lay_out_uv_seams().unwrap();
+    assert_eq!(session.layout().unwrap().opened.patch_count, 2);
+    assert_same(&mut session, &["Cut (JSON)"]);
+}
+
+#[test]
+fn what_an_export_catches_up_with_is_done_again() {
+    let mut session = Session::new();
+    session.handle(Command::OpenSample { name: "ball".into() });
+    set(&mut session, "init", Value::Text("painted".into()));
+    for (face, place) in [(0, [0.0, 1.0, 0.0]), (1, [0.2, 0.9, 0.1])] {
+        session.handle(Command::Paint {
+            channel: "region".into(),
+            face,
+            place,
+            radius: 0.7,
+            value: 1.0,
+            begins: face == 0,
+        });
+    }
+    // In the middle of the stroke.
+    session.export("Cut (JSON)").unwrap();
+    session.handle(Command::Run);
+    run(&mut session, 3);
+    assert_same(&mut session, &["Cut (JSON)"]);
+}

@@ -12,13 +12,14 @@ use super::{
 };
 
 /// What each ending stands for.
-const FILES: [(&str, &str); 7] = [
+const FILES: [(&str, &str); 8] = [
     ("svg", "Pattern (SVG)"),
     ("dxf", "Pattern (DXF)"),
     ("pdf", "Pattern (PDF)"),
     ("glb", "UV mesh (GLB)"),
     ("obj", "UV mesh (OBJ)"),
     ("ply", "Cut surface (PLY)"),
+    ("png", "Surface picture (PNG)"),
     ("zip", "All files (ZIP)"),
 ];
 
@@ -48,7 +49,8 @@ pub struct PatternArgs {
     /// Steps of nesting after the first layout; each takes a few hundredths of a second. The page makes them with Improve layout.
     #[arg(long, value_name = "N", default_value_t = 0)]
     nest: usize,
-    /// What to write, by its ending: .svg .dxf .pdf (pattern), .glb .obj .ply (surface with UV map), .zip (all). May be given several
+    /// What to write, by its ending: .svg .dxf .pdf (pattern), .glb .obj .ply (surface with UV map), .png (picture of the
+    /// surface with its pieces, from two sides), .zip (all). May be given several
     /// times.
     #[arg(short, long, value_name = "OUT", required = true)]
     output: Vec<PathBuf>,
@@ -134,13 +136,10 @@ fn with_cut(args: &PatternArgs, is_quiet: bool) -> Result<Session, Problem> {
     if let Some(cones) = &args.cones {
         return cones::with_cones(document, cones, &[]);
     }
-    let mut settings = settings_for(&document);
-    let is_uv = args.cut.as_deref() == Some(Path::new("uv"));
-    if is_uv {
-        settings.set("init", Value::Text("uv".into()))?;
-    }
+    let settings = settings_for(&document);
     tell(session.open_with(Ok(document), settings))?;
-    if is_uv {
+    if args.cut.as_deref() == Some(Path::new("uv")) {
+        session.lay_out_uv_seams()?;
         return Ok(session);
     }
     if let Some(cut) = &args.cut {

@@ -2,14 +2,14 @@
 
 use super::super::message::File;
 use super::super::params::{Settings, whole};
-use super::super::scene::PALETTE;
 use super::super::text::Problem;
 use super::super::work::{Work, stem};
 use super::super::{nothing_open, picture, size};
 use super::Patterning;
+use super::pictures::rgb;
 use crate::pattern::{
-    self, AstmParams, AtlasImageParams, Channels, DxfParams, FileFault, NestShape, SvgParams,
-    SvgProfile, Texture, UvPackParams, WriteError, ZipEntry, pack_uv,
+    self, AstmParams, AtlasImageParams, Channels, DxfParams, FileFault, NestShape, PdfParams,
+    SvgParams, SvgProfile, Texture, UvPackParams, WriteError, ZipEntry, pack_uv,
 };
 
 /// Squares along the side of the baked texture's unit: about as many as the plain checkerboard has.
@@ -65,7 +65,7 @@ pub(super) fn unwritten(name: &str, error: &WriteError) -> Problem {
     Problem::new("The pattern cannot be written.", format!("{name}: {error}."), what_to_do)
 }
 
-fn too_large(name: &str, fault: FileFault) -> Problem {
+pub(super) fn too_large(name: &str, fault: FileFault) -> Problem {
     Problem::new(
         "The file cannot be written.",
         format!("{name}: {fault}."),
@@ -122,8 +122,13 @@ pub(in super::super) fn uv_charts(work: &Work) -> Result<Vec<[f64; 2]>, Problem>
 }
 
 impl Work {
-    /// A drawing of the pattern, or a mesh with its UV map; none for other kinds.
+    /// A drawing of the pattern, a mesh with its UV map, or a picture; none for other kinds.
     pub(in super::super) fn pattern_export(&mut self, kind: &str) -> Option<Result<File, Problem>> {
+        if let Some(which) =
+            ["Surface picture (PNG)", "Pattern picture (PNG)"].iter().position(|&k| k == kind)
+        {
+            return Some(self.picture_files().map(|files| files[which].clone()));
+        }
         let bytes = match kind {
             "Pattern (SVG)" => self.svg_bytes(),
             "Pattern (DXF)" => self.dxf_bytes(),
@@ -160,8 +165,8 @@ impl Work {
 
     fn pdf_bytes(&mut self) -> Result<Vec<u8>, Problem> {
         let sheet = self.sheet()?;
-        pattern::pdf(&sheet, &self.pdf_params())
-            .map_err(|error| unwritten(&self.document.name, &error))
+        let params = PdfParams { picture: self.cover_picture(), ..self.pdf_params() };
+        pattern::pdf(&sheet, &params).map_err(|error| unwritten(&self.document.name, &error))
     }
 
     fn uv_mesh(&mut self, kind: &str) -> Result<Vec<u8>, Problem> {
@@ -190,14 +195,7 @@ impl Work {
     fn baked(&self, charts: &[[f64; 2]]) -> Result<Vec<u8>, Problem> {
         let layout = self.layout.as_ref().ok_or_else(nothing_open)?;
         let colours = picture::patch_colours(layout, &self.labels());
-        let palette: Vec<[u8; 3]> = colours
-            .iter()
-            .map(|&colour| {
-                let [_, red, green, blue] =
-                    PALETTE[usize::from(colour) % PALETTE.len()].to_be_bytes();
-                [red, green, blue]
-            })
-            .collect();
+        let palette: Vec<[u8; 3]> = colours.iter().map(|&colour| rgb(colour)).collect();
         let side = pixels(&self.settings);
         let all = charts.iter().flatten().copied().filter(|x| x.is_finite());
         let extent = all.fold(0.0, f64::max);
@@ -232,6 +230,7 @@ impl Work {
         for kind in ARCHIVED {
             files.push(self.export(kind)?);
         }
+        files.extend(self.picture_files()?);
         files.push(self.export("Report (JSON)")?);
         let sheet = self.sheet()?;
         let report = self.report_of(&sheet)?;

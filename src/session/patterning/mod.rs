@@ -1,6 +1,7 @@
 //! The pattern of the cut at rest: pieces made ready for a trade, laid on their material, and what is told and written of them.
 
 mod exports;
+mod pictures;
 mod report;
 mod specs;
 
