@@ -46,6 +46,11 @@ pub enum Command {
     Undo,
     /// Makes it again.
     Redo,
+    /// Takes back, or makes again, several changes at once.
+    Travel {
+        /// How many: negative ones are taken back, positive ones are made again.
+        changes: i32,
+    },
     /// Shows the document again after an error.
     DismissError,
     /// Marks what a finding names on the surface; `None` goes back to the pieces.
@@ -283,6 +288,10 @@ pub enum Event {
     },
     /// What Undo and Redo would do.
     History {
+        /// The changes that Undo goes through, the last one first.
+        done: Vec<ChangeName>,
+        /// The changes that Redo goes through, the next one first.
+        undone: Vec<ChangeName>,
         /// The change that Undo would take back.
         undo: Option<String>,
         /// The change that Redo would make again.
@@ -724,6 +733,15 @@ pub struct PatternSize {
     pub unit_length: f64,
     /// Crossings of outlines, with themselves and with each other.
     pub overlaps: usize,
+}
+
+/// A change in the history.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ChangeName {
+    /// What Undo and Redo call it.
+    pub label: String,
+    /// Whether the mesh before it is another one than the mesh after it.
+    pub is_other_mesh: bool,
 }
 
 /// A parameter: slider, command-line option and help text are made from it.

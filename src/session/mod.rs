@@ -65,10 +65,10 @@ pub use cut_file::{cut_from_json, cut_from_uv, specimen, sphere_obj, surface_lay
 pub use document::Document;
 pub use layout::Layout;
 pub use message::{
-    Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary, MethodChoice,
-    NoticeText, PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow, PresetChoice,
-    RepairChoice, Row, SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term, ToolParam,
-    ToolSpec, Value,
+    ChangeName, Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary,
+    MethodChoice, NoticeText, PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow,
+    PresetChoice, RepairChoice, Row, SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term,
+    ToolParam, ToolSpec, Value,
 };
 pub use method::Method;
 pub use outlines::Outline;
@@ -134,8 +134,7 @@ impl Session {
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         // A project that is still being opened goes no further once somebody takes over.
         let is_looking = matches!(command, Command::Hold { .. } | Command::EndStroke);
-        let is_other =
-            matches!(command, Command::OpenSample { .. } | Command::Undo | Command::Redo);
+        let is_other = matches!(command, Command::OpenSample { .. }) || is_travel(&command);
         if project::is_kept(&command) && !is_looking || is_other {
             self.replay = Replay::default();
         }
@@ -149,7 +148,7 @@ impl Session {
         if !goes_along_with_preparing(&command) && self.preparation.take().is_some() {
             events.push(self.status());
         }
-        if !matches!(command, Command::Paint { .. } | Command::Undo | Command::Redo) {
+        if !matches!(command, Command::Paint { .. }) && !is_travel(&command) {
             self.end_stroke();
         }
         let result = match command {
@@ -179,8 +178,9 @@ impl Session {
                 events.push(Event::Scene);
                 Ok(())
             }
-            Command::Undo => self.travel(true, &mut events),
-            Command::Redo => self.travel(false, &mut events),
+            Command::Undo => self.travel(-1, &mut events),
+            Command::Redo => self.travel(1, &mut events),
+            Command::Travel { changes } => self.travel(changes, &mut events),
             Command::DismissError => {
                 events.push(self.status());
                 Ok(())
@@ -889,8 +889,9 @@ impl Session {
     }
 
     fn history_event(&self) -> Event {
-        let label = |list: &[Snapshot]| list.last().map(|s| s.label.clone());
-        Event::History { undo: label(&self.undo), redo: label(&self.redo) }
+        let [done, undone] = [&self.undo, &self.redo].map(|list| self.changes(list));
+        let label = |list: &[ChangeName]| list.first().map(|change| change.label.clone());
+        Event::History { undo: label(&done), redo: label(&undone), done, undone }
     }
 
     fn status(&self) -> Event {
@@ -946,6 +947,11 @@ impl Session {
 
 fn error_event(problem: Problem) -> Event {
     Event::Error { what: problem.what, place: problem.place, what_to_do: problem.what_to_do }
+}
+
+/// Whether a command goes along the history.
+fn is_travel(command: &Command) -> bool {
+    matches!(command, Command::Undo | Command::Redo | Command::Travel { .. })
 }
 
 /// Whether a preparation goes on beside a command: looks, and parameters of what comes after it.

@@ -162,6 +162,7 @@ pub(super) fn is_kept(command: &Command) -> bool {
             | Command::DismissError
             | Command::Undo
             | Command::Redo
+            | Command::Travel { .. }
     )
 }
 
