@@ -46,6 +46,8 @@ pub enum Command {
     Undo,
     /// Makes it again.
     Redo,
+    /// Puts the cut of the mesh before on the one that is open, by nearest points.
+    KeepCut,
     /// Takes back, or makes again, several changes at once.
     Travel {
         /// How many: negative ones are taken back, positive ones are made again.
@@ -296,6 +298,11 @@ pub enum Event {
         undo: Option<String>,
         /// The change that Redo would make again.
         redo: Option<String>,
+    },
+    /// The mesh took the place of another file whose cut can be kept.
+    KeepOffer {
+        /// The name of the mesh before.
+        from: String,
     },
     /// Something could not be done; the document is as it was.
     Error {

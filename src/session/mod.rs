@@ -18,6 +18,7 @@ mod doctor;
 mod document;
 mod folding;
 mod inputs;
+mod keeping;
 mod layout;
 mod message;
 mod method;
@@ -51,6 +52,7 @@ use std::rc::Rc;
 use crate::methods::cutflow::CutFlow;
 use crate::methods::flow::Status;
 use inputs::Layers;
+use keeping::Kept;
 use preparing::Preparation;
 use project::{Entry, Gift, Log, Replay};
 use work::{Pending, Snapshot, Work, start_flow};
@@ -118,6 +120,8 @@ pub struct Session {
     log: Log,
     /// What is to be done again of a project.
     replay: Replay,
+    /// The cut of the mesh before, which may be kept.
+    kept: Option<Kept>,
     /// Whether a control is held.
     is_held: bool,
     /// Whether somebody looks at the sheet of the pattern.
@@ -134,7 +138,8 @@ impl Session {
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         // A project that is still being opened goes no further once somebody takes over.
         let is_looking = matches!(command, Command::Hold { .. } | Command::EndStroke);
-        let is_other = matches!(command, Command::OpenSample { .. }) || is_travel(&command);
+        let is_other =
+            matches!(command, Command::OpenSample { .. } | Command::KeepCut) || is_travel(&command);
         if project::is_kept(&command) && !is_looking || is_other {
             self.replay = Replay::default();
         }
@@ -229,6 +234,7 @@ impl Session {
             Command::SelectSegment { node } => self.select_segment(node, &mut events),
             Command::Sew { patches, joins } => self.sew(patches, joins, &mut events),
             Command::HandOver => self.hand_over(&mut events),
+            Command::KeepCut => self.keep_cut(&mut events),
             Command::ShowPattern { is_shown } => self.show_pattern(is_shown, &mut events),
             Command::Nest => self.nest(&mut events),
             Command::ApplyTrade { id } => self.apply_trade(&id, &mut events),
@@ -266,13 +272,16 @@ impl Session {
         let mut events = std::mem::take(&mut self.late);
         self.preparation = None;
         self.replay = Replay::default();
-        let opened = if project::is_project_file(bytes) {
+        let is_project = project::is_project_file(bytes);
+        let kept = self.cut_at_hand().filter(|_| !is_project);
+        let opened = if is_project {
             self.open_project(name, bytes, &mut events)
         } else {
             self.adopt(Document::from_bytes(name, bytes), &mut events)
         };
-        if let Err(problem) = opened {
-            self.refuse(problem, &mut events);
+        match opened {
+            Ok(()) => self.offer_to_keep(kept, &mut events),
+            Err(problem) => self.refuse(problem, &mut events),
         }
         events
     }

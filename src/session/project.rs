@@ -163,6 +163,8 @@ pub(super) fn is_kept(command: &Command) -> bool {
             | Command::Undo
             | Command::Redo
             | Command::Travel { .. }
+            // What it brings along is kept in its place.
+            | Command::KeepCut
     )
 }
 

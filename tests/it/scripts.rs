@@ -212,6 +212,41 @@ fn several_changes_at_once_lead_where_one_after_the_other_would() {
 }
 
 #[test]
+fn a_cut_goes_along_to_a_mesh_that_takes_the_place_of_another() {
+    let mut session = Session::new();
+    session.open("coarse.obj", ball(8).as_bytes());
+    set(&mut session, "init", Value::Text("plane".into()));
+    let before: Vec<u32> = session.labels();
+    let events = session.open("fine.obj", ball(14).as_bytes());
+    let offered = |events: &[Event]| {
+        events.iter().find_map(|event| match event {
+            Event::KeepOffer { from } => Some(from.clone()),
+            _ => None,
+        })
+    };
+    assert_eq!(offered(&events).as_deref(), Some("coarse.obj"));
+    assert_eq!(errors(&session.handle(Command::KeepCut)), Vec::<String>::new());
+    let share = |labels: &[u32]| {
+        labels.iter().filter(|&&label| label == 0).count() as f64 / labels.len() as f64
+    };
+    // One row of vertices along the plane may fall to either side.
+    assert!((share(&session.labels()) - share(&before)).abs() < 0.1);
+    assert!(share(&before) > 0.2 && share(&before) < 0.8);
+    // It is taken once, and a project holds what it gave.
+    assert_eq!(errors(&session.handle(Command::KeepCut)).len(), 1);
+    let project = session.export("Project (JSON)").unwrap().bytes;
+    let mut again = Session::new();
+    again.open("again.json", &project);
+    while again.is_running() {
+        again.advance(&mut || true);
+    }
+    assert_eq!(again.labels(), session.labels());
+    // A sample has nothing to offer, nor is anything offered to it.
+    session.handle(Command::OpenSample { name: "ball".into() });
+    assert_eq!(offered(&session.open("other.obj", ball(8).as_bytes())), None);
+}
+
+#[test]
 fn a_bad_file_leaves_the_document_and_its_run_as_they_were() {
     let mut session = Session::new();
     session.open("ball.obj", ball(8).as_bytes());

@@ -133,8 +133,7 @@ mod tests {
     fn the_service_worker_is_told_its_version_and_its_files() {
         let worker = "const VERSION = \"\";\nconst FILES = [];\n";
         let files = ["cutflow-1/a.js".to_owned(), "cutflow-1/b.wasm".to_owned()];
-        let expected =
-            "const VERSION = \"cutflow-1\";\nconst FILES = [\"cutflow-1/a.js\", \"cutflow-1/b.wasm\"];\n";
+        let expected = "const VERSION = \"cutflow-1\";\nconst FILES = [\"cutflow-1/a.js\", \"cutflow-1/b.wasm\"];\n";
         assert_eq!(versioned(worker, "cutflow-1", &files).unwrap(), expected);
         assert!(versioned("const VERSION = \"\";", "cutflow-1", &files).is_err());
         let own = include_str!("../../sw.js");
