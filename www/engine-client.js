@@ -32,6 +32,8 @@ export class EngineClient {
   #trust = 0;
   /** The last saved project, `{ file, mesh, name }`: of which entry of the meshes it is. */
   #saved = null;
+  /** The project that was there when the worker died first: what is offered when it cannot be brought back. */
+  #rescued = null;
   /** The state that the status line told last. */
   #state = "";
 
@@ -54,7 +56,7 @@ export class EngineClient {
 
   /**
    * @param on `events(list, spent)`, `scene(scene)`, `restarted(sentence, hasDocument)`, `failed(reason)`, `changed()` when there
-   * is something new to save, `lost(name, file)` when a document is given up: `file` is its last saved project, null for none
+   * is something new to save, `lost(name, file, isClosed)` when a document cannot be brought back as it was: `file` is its last saved project, null for none
    */
   constructor(on) {
     this.#on = on;
@@ -300,10 +302,11 @@ export class EngineClient {
     const name = lost?.sample ?? lost?.name;
     console.warn(`The engine stopped: ${reason}`);
     const file = this.savedProject;
+    if (this.#deaths === 1) this.#rescued = file && { name: this.#saved.name, file };
     if (this.#deaths > ATTEMPTS || !lost) {
       this.#discard();
       this.#on.failed(reason);
-      if (file) this.#on.lost(this.#saved.name, file);
+      if (this.#rescued) this.#on.lost(this.#rescued.name, this.#rescued.file, true);
       return;
     }
     // The last attempt does without the document.
@@ -317,7 +320,7 @@ export class EngineClient {
             ? `The solver stopped and was started again; ${name} comes back as it was saved last. ${reason}`
             : `The solver stopped and was started again; ${name} is back at its start. ${reason}`,
     );
-    if (isGivenUp) this.#on.lost(name, file);
+    if (this.#deaths > 1 && !this.#opening) this.#on.lost(name, this.#rescued?.file ?? null, isGivenUp);
   }
 
   #discard() {

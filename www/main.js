@@ -16,6 +16,7 @@ import { emptyState } from "./panels/empty.js";
 import { errorPanel, toast } from "./panels/error.js";
 import { download, exportMenu } from "./panels/export-menu.js";
 import { historyPanel } from "./panels/history.js";
+import { keepCut } from "./panels/keep.js";
 import { learnPanel } from "./panels/learn.js";
 import { legends } from "./panels/legends.js";
 import { measuresPanel } from "./panels/measures.js";
@@ -281,6 +282,8 @@ const history = historyPanel((changes, meshes) => {
   endFold().then(() => waits.answer("Going through the history", "Going through the history was cancelled.", () => client.travel(changes, meshes)));
 });
 
+const keeping = keepCut(() => changing("Putting the cut on this mesh", { type: "keep_cut" }));
+
 const handlers = {
   ...cones.handlers,
   methods(event) {
@@ -294,6 +297,7 @@ const handlers = {
   mesh(event) {
     now.mesh = event;
     saving.renew();
+    keeping.end();
     now.doctor = null;
     now.opened = {};
     now.stages = null;
@@ -328,6 +332,7 @@ const handlers = {
     showPattern();
   },
   tools: (event) => meshPanel.tools(event),
+  keep_offer: (event) => keeping.offer(event.from),
   progress: ({ label, fraction }) => waits.progress(label, fraction),
   parameters(event) {
     now.values = event.values;
@@ -436,9 +441,9 @@ const client = new EngineClient({
     learn.update();
   },
   changed: () => saving.changed(),
-  lost(name, file) {
+  lost(name, file, isClosed) {
     error.show({
-      what: `${name} makes the solver stop, so it was closed.`,
+      what: isClosed ? `${name} makes the solver stop, so it was closed.` : `${name} stopped the solver twice and is back at its start.`,
       where: "The same mesh with the same settings stopped it several times in a row.",
       what_to_do: "Open it again with other settings, or reduce it first.",
       action: file && { label: "Download its project", run: () => download(file.name, new Blob([file.bytes], { type: file.mime })) },
