@@ -4,16 +4,15 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, PATIENCE_MS, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
 import { ellipsoid } from "./meshes.mjs";
 import { Page } from "./page.mjs";
 import { decodePng, difference, variety } from "./pixels.mjs";
+import { records, visitors } from "./visitors.mjs";
 
-const [WEBGL, WEBGPU] = RENDERERS;
+const [, WEBGPU] = RENDERERS;
 const AT_REST = `${PAGE}?renderer=webgl&run=0`;
 const SMALL = ellipsoid(3);
-
-const address = (query) => `${PAGE}?renderer=webgl&${query}`;
 
 /** Lets a test end the workers of a page, as a browser that is short of memory does: without a word to anybody. */
 function recordWorkers() {
@@ -42,44 +41,8 @@ function recordWorkers() {
 const endWorkers = (page, count = 1) => page.evaluate((detail) => dispatchEvent(new CustomEvent("end workers", { detail })), count);
 
 describe("robust page", { timeout: 900_000 }, () => {
-  let browser;
-  const contexts = [];
-  before(async () => (browser = await open(WEBGL)));
-  after(() => browser?.close());
+  const { visitor, tab, leave } = visitors();
 
-  /** A new visitor; `troubles` fills with errors of the page itself. */
-  async function visitor(options = {}, script = null) {
-    const context = await browser.page.context().browser().newContext({ viewport: { width: 1280, height: 800 }, reducedMotion: "reduce", colorScheme: "light", ...options });
-    contexts.push(context);
-    if (script) await context.addInitScript(script);
-    return context;
-  }
-  async function tab(context) {
-    const page = await context.newPage();
-    page.setDefaultTimeout(PATIENCE_MS);
-    const troubles = [];
-    page.on("pageerror", (error) => troubles.push(error.stack ?? String(error)));
-    return Object.assign(new Page(page), { troubles });
-  }
-  async function leave() {
-    for (const context of contexts.splice(0)) await context.close();
-  }
-
-  const records = (page) =>
-    page.page.evaluate(
-      () =>
-        new Promise((resolve) => {
-          const request = indexedDB.open("cutflow", 1);
-          request.onupgradeneeded = () => request.result.createObjectStore("sessions", { keyPath: "key" });
-          request.onsuccess = () => {
-            const all = request.result.transaction("sessions").objectStore("sessions").getAll();
-            all.onsuccess = () => {
-              request.result.close();
-              resolve(all.result.map(({ name, about, bytes }) => ({ name, about, size: bytes.length })));
-            };
-          };
-        }),
-    );
   const restoreButton = (page) => page.page.getByRole("button", { name: "Restore last session" });
 
   describe("history", () => {
@@ -344,114 +307,6 @@ describe("robust page", { timeout: 900_000 }, () => {
       } finally {
         await other.close();
       }
-    });
-  });
-
-  describe("links", () => {
-    after(leave);
-
-    for (const method of ["cutflow", "cones", "phasefield", "developable"]) {
-      it(`bring a setting of ${method} back, without another method before`, async () => {
-        const context = await visitor();
-        const page = await tab(context);
-        await page.visit(address(`sample=ball&method=${method}&run=0`));
-        const canvas = page.canvas("Surface view");
-        await canvas.focus();
-        for (let i = 0; i < 5; i += 1) await page.page.keyboard.press("ArrowRight");
-        await page.page.keyboard.press("+");
-        await page.page.getByLabel("Texture", { exact: true }).selectOption("circles");
-        const number = page.page.locator("#settings").getByRole("textbox").first();
-        const before = await number.inputValue();
-        await number.press("ArrowUp");
-        const label = await number.getAttribute("aria-label");
-        const value = await page.until("another value", () => number.inputValue(), (text) => text !== before);
-        const link = await page.until(
-          "the link says so",
-          async () => {
-            await page.press("Share");
-            const text = await page.page.getByLabel("Link to this setting").inputValue();
-            await page.page.keyboard.press("Escape");
-            return text;
-          },
-          (text) => /p\./.test(text),
-        );
-        await page.page.close();
-
-        const next = await tab(context);
-        await next.page.addInitScript(() => {
-          window.seen = new Set();
-          addEventListener("DOMContentLoaded", () =>
-            new MutationObserver(() => document.documentElement.dataset.method && seen.add(document.documentElement.dataset.method)).observe(document.documentElement, { attributes: true }),
-          );
-        });
-        await next.visit(`${link}&renderer=webgl&run=0`);
-        const field = next.page.locator("#settings").getByRole("textbox", { name: label, exact: true });
-        await next.until("the parameter is back", () => field.inputValue(), (text) => text === value);
-        assert.equal(await next.page.getByRole("tab", { selected: true }).first().getAttribute("id"), `tab-${method}`);
-        assert.deepEqual((await next.page.evaluate(() => [...seen])).filter((name) => name !== method), []);
-        assert.equal(await next.page.getByLabel("Texture", { exact: true }).inputValue(), "circles");
-        await next.page.waitForSelector("html[data-renderer]", { state: "attached" });
-        const same = await next.until(
-          "the same link comes out again",
-          async () => {
-            await next.press("Share");
-            const text = await next.page.getByLabel("Link to this setting").inputValue();
-            await next.page.keyboard.press("Escape");
-            return text;
-          },
-          (text) => text === link,
-        );
-        assert.match(same, /view=[-\d.,]+/);
-        assert.deepEqual(next.troubles, []);
-      });
-    }
-
-    it("that would be too long are refused with a word", async () => {
-      const page = await tab(await visitor());
-      await page.visit(`${AT_REST}#${"x".repeat(10)}`);
-      // A path of its own is the only thing here that can be long.
-      await page.page.evaluate(() => history.replaceState(null, "", `/${"a".repeat(9000)}/index.html`));
-      await page.press("Share");
-      await page.page.getByText("Too much for a link").waitFor();
-      assert.equal(await page.page.getByLabel("Link to this setting").isVisible(), false);
-    });
-  });
-
-  describe("frames", () => {
-    after(leave);
-
-    it("of 480 by 360 hold both views, the run and the methods", async () => {
-      const page = await tab(await visitor({ viewport: { width: 480, height: 360 } }));
-      await page.visit(address("embed=1&run=0"));
-      for (const name of ["Run", "Pause", "Step", "Reset"]) {
-        const box = await page.page.getByRole("button", { name, exact: true }).boundingBox();
-        assert.ok(box && box.x >= 0 && box.x + box.width <= 480 && box.y + box.height <= 360, `${name} is in the frame`);
-      }
-      for (const name of ["Surface view", "Flattened view"]) {
-        const { width, height } = await page.canvas(name).boundingBox();
-        assert.ok(width > 150 && height > 120, `${name} is ${width} by ${height}`);
-      }
-      assert.equal(await page.page.getByRole("button", { name: "Export", exact: true }).isVisible(), false);
-      const { scrollWidth, scrollHeight } = await page.page.evaluate(() => document.documentElement);
-      const sizes = await page.page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.scrollHeight]);
-      assert.deepEqual(sizes, [480, 360], `nothing scrolls ${scrollWidth} ${scrollHeight}`);
-      await page.press("Step");
-      await page.status(/^Paused at step 1$/);
-      const link = page.page.getByRole("link", { name: "Open in Cutflow" });
-      await link.focus();
-      const href = await link.getAttribute("href");
-      assert.match(href, /sample=ball/);
-      assert.doesNotMatch(href, /embed/);
-      await screenshot(page.page, "embed");
-      await page.page.waitForTimeout(1500);
-      assert.deepEqual(await records(page), [], "a guest keeps nothing");
-      assert.deepEqual(page.troubles, []);
-    });
-
-    it("open Learn at a stage", async () => {
-      const page = await tab(await visitor());
-      await page.visit(address("learn=1&stage=3&run=0"));
-      await page.page.getByText(/^Stage 3 of \d+$/).waitFor();
     });
   });
 
