@@ -1,6 +1,7 @@
 // The page without a network: packed for a host, and as it lies in its folder. And what it asks of the network at all.
 
 import assert from "node:assert/strict";
+import { createServer } from "node:http";
 import { after, before, describe, it } from "node:test";
 
 import { PACKED_PAGE, PAGE, PATIENCE_MS, RENDERERS, open } from "./chromium.mjs";
@@ -9,6 +10,7 @@ import { Page } from "./page.mjs";
 const [WEBGL] = RENDERERS;
 /** Names a version of the packed page. */
 const VERSION = /cutflow-[0-9a-f]{16}/;
+const OTHER = "cutflow-00000000deadbeef";
 
 describe("offline", { timeout: 600_000 }, () => {
   let browser;
@@ -30,7 +32,7 @@ describe("offline", { timeout: 600_000 }, () => {
   const isKept = (page) => page.page.waitForSelector("html[data-offline]", { state: "attached" });
   const isControlled = (page) => page.page.waitForFunction(() => navigator.serviceWorker.controller !== null);
   const version = (page) => page.page.evaluate(() => [...document.scripts].map(({ src }) => src).join(" "));
-  const caches_ = (page) => page.page.evaluate(() => caches.keys());
+  const cacheNames = (page) => page.page.evaluate(() => caches.keys());
 
   for (const [name, url] of [["packed for a host", PACKED_PAGE], ["as it lies in its folder", PAGE]]) {
     // While the page is worked on, only who asks for it has it kept.
@@ -84,39 +86,55 @@ describe("offline", { timeout: 600_000 }, () => {
 
   it("takes a new version with the next load, whole, and drops the old one", async () => {
     const page = await visitor();
-    const other = "cutflow-00000000deadbeef";
-    let isNew = false;
-    // The host as it is after an upload: another page, another worker, the same files under another name.
-    await page.context.route(`${PACKED_PAGE}**`, async (route) => {
-      const address = route.request().url();
-      if (!isNew) return route.continue();
-      const answer = await route.fetch({ url: address.replaceAll(other, page.old) });
-      const type = answer.headers()["content-type"] ?? "";
-      const isText = address.split("?")[0] === PACKED_PAGE || /sw\.js|index\.html/.test(address);
-      if (VERSION.test(address) && !address.includes(other)) return route.fulfill({ status: 404, body: "gone" });
-      if (!isText) return route.fulfill({ response: answer });
-      const body = (await answer.text()).replaceAll(page.old, other);
-      return route.fulfill({ status: 200, contentType: type, body });
-    });
-    await page.visit(`${PACKED_PAGE}?renderer=webgl&run=0`);
-    await isKept(page);
-    await isControlled(page);
-    [page.old] = VERSION.exec(await version(page));
-    assert.equal((await caches_(page)).length, 1);
+    const host = await uploads();
+    try {
+      const url = `${host.url}?renderer=webgl&run=0`;
+      await page.visit(url);
+      await isKept(page);
+      await isControlled(page);
+      const [old] = VERSION.exec(await version(page));
+      assert.equal((await cacheNames(page)).length, 1);
 
-    isNew = true;
-    await page.visit(`${PACKED_PAGE}?renderer=webgl&run=0`);
-    const now = await version(page);
-    assert.ok(now.includes(other) && !now.includes(page.old), "the next load is the new version, and nothing else");
-    await page.until("both are kept while the old one may be in use", () => caches_(page), (names) => names.length === 2);
-    // The new worker has to be waiting before the tab is left, and to take over after that.
-    await page.page.waitForFunction(async () => (await navigator.serviceWorker.getRegistration()).waiting !== null);
-    await page.page.goto("about:blank");
-    await page.visit(`${PACKED_PAGE}?renderer=webgl&run=0`);
-    await page.until("the old one is gone", () => caches_(page), (names) => names.length === 1 && names[0].endsWith(other));
-    await page.context.setOffline(true);
-    await page.visit(`${PACKED_PAGE}?renderer=webgl&run=0`);
-    assert.ok((await version(page)).includes(other));
-    assert.deepEqual(page.troubles, []);
+      host.upload(old);
+      await page.visit(url);
+      const now = await version(page);
+      assert.ok(now.includes(OTHER) && !now.includes(old), "the next load is the new version, and nothing else");
+      await page.until("both are kept while the old one may be in use", () => cacheNames(page), (names) => names.length === 2);
+      // The new service worker waits until no tab is left, and takes over then.
+      await page.page.waitForFunction(async () => (await navigator.serviceWorker.getRegistration()).waiting !== null);
+      await page.page.goto("about:blank");
+      await page.visit(url);
+      await page.until("the old one is gone", () => cacheNames(page), (names) => names.length === 1 && names[0].endsWith(OTHER));
+      host.end();
+      await page.context.setOffline(true);
+      await page.visit(url);
+      assert.ok((await version(page)).includes(OTHER));
+      assert.deepEqual(page.troubles, []);
+    } finally {
+      host.end();
+    }
   });
 });
+
+/** A host that shows the packed page, and after `upload(old)` the same files under another version. */
+async function uploads() {
+  let old = null;
+  const server = createServer(async (request, response) => {
+    const path = request.url.slice(1);
+    if (old !== null && path.includes(old)) return response.writeHead(404).end();
+    const answer = await fetch(new URL(old === null ? path : path.replaceAll(OTHER, old), PACKED_PAGE));
+    let body = Buffer.from(await answer.arrayBuffer());
+    // What names the version are the page and its service worker.
+    if (old !== null && !VERSION.test(path)) body = Buffer.from(body.toString("utf8").replaceAll(old, OTHER));
+    response.writeHead(answer.status, { "content-type": answer.headers.get("content-type"), "cache-control": "no-store" }).end(body);
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  return {
+    url: `http://127.0.0.1:${server.address().port}/`,
+    upload: (version) => (old = version),
+    end() {
+      server.close();
+      server.closeAllConnections();
+    },
+  };
+}
