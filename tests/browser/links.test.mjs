@@ -112,7 +112,7 @@ describe("addresses", { timeout: 600_000 }, () => {
 
     it("open Learn at a stage", async () => {
       const page = await tab(await visitor());
-      await page.visit(address("learn=1&stage=3&run=0"));
+      await page.page.goto(address("learn=1&stage=3&run=0"));
       await page.page.getByText(/^Stage 3 of \d+$/).waitFor();
     });
   });
