@@ -1,7 +1,7 @@
 // The page's end of the worker: requests out, events and scenes in, and a new worker when the old one has died.
 //
-// What it keeps is enough to bring a document back: where the mesh came from, the repairs and preparations that made
-// it what it is, its parameters and its real size.
+// A document comes back from the project that was saved last. Where there is none, what is remembered here has to do: where
+// the mesh came from, the repairs and preparations that made it what it is, its parameters and its real size.
 
 /** How often a document is brought back before the page gives up, and how long a worker must live to be trusted. */
 const ATTEMPTS = 3;
@@ -10,9 +10,13 @@ const TRUSTED_MS = 10_000;
 const KNOWN = 6;
 /** Commands after which the mesh is another one. */
 const CHANGES = ["repair", "repair_all", "prepare"];
+/** Commands that go along the history. */
+const TRAVELS = ["undo", "redo", "travel"];
 /** Commands that put something on the surface by hand, and how many of them are remembered for a restart. */
 const HANDWORK = ["paint", "clear_paint", "hide_from_camera", "set_symmetry"];
 const STROKES = 5000;
+/** Events after which a project is another one. */
+const CHANGED = ["history", "energy", "mesh", "size"];
 /** The same for cones: they are told again after the parameters, whose solution they change. */
 const CONE_EDITS = ["add_cone", "move_cone", "set_cone_angle", "remove_cone"];
 
@@ -26,6 +30,12 @@ export class EngineClient {
   #latest = new Map();
   #deaths = 0;
   #trust = 0;
+  /** The last saved project, `{ file, mesh, name }`: of which entry of the meshes it is. */
+  #saved = null;
+  /** The project that was there when the worker died first: what is offered when it cannot be brought back. */
+  #rescued = null;
+  /** The state that the status line told last. */
+  #state = "";
 
   /** The meshes along Undo and Redo: `{ source, changes }`, a source being `{ sample }` or `{ name, bytes }`. */
   #meshes = [];
@@ -45,11 +55,13 @@ export class EngineClient {
   #hold = null;
 
   /**
-   * @param on `events(list, spent)`, `scene(scene)`, `restarted(sentence, hasDocument)`, `failed(reason)`
+   * @param on `events(list, spent)`, `scene(scene)`, `restarted(sentence, hasDocument)`, `failed(reason)`, `changed()` when there
+   * is something new to save, `lost(name, file, isClosed)` when a document cannot be brought back as it was: `file` is its last saved project, null for none
    */
   constructor(on) {
     this.#on = on;
     this.#spawn();
+    this.#trustLater();
   }
 
   /** Where the open mesh came from: `{ sample }` or `{ name, bytes }`. */
@@ -135,6 +147,26 @@ export class EngineClient {
     return this.#request({ type: "export", kind });
   }
 
+  /** Goes along the history: `changes` back (negative) or forth, past so many other meshes. */
+  travel(changes, meshes) {
+    return this.#request({ type: "command", command: { type: "travel", changes } }, [], { type: "travel", meshes });
+  }
+
+  /** Makes the project between two steps: `{ file, spent }`, `file` null where there is none. It is what a restart begins with. */
+  async saveProject() {
+    const mesh = this.#meshes[this.#at];
+    if (!mesh) return { file: null, spent: 0 };
+    const answer = await this.#request({ type: "save" });
+    // What was made of another mesh meanwhile is no use for this one.
+    if (answer.file && mesh === this.#meshes[this.#at]) this.#saved = { file: answer.file, mesh, name: this.document.sample ?? this.document.name };
+    return answer;
+  }
+
+  /** The last saved project of the open document, null for none. */
+  get savedProject() {
+    return this.#saved && this.#saved.mesh === this.#meshes[this.#at] ? this.#saved.file : null;
+  }
+
   /** The page has taken the last scene: the next may come. */
   sceneTaken() {
     this.#worker?.postMessage({ type: "taken" });
@@ -154,7 +186,23 @@ export class EngineClient {
     };
     this.#worker = worker;
     clearTimeout(this.#trust);
+  }
+
+  /** From when on a worker has to live for a while: once the document is back. */
+  #trustLater() {
+    clearTimeout(this.#trust);
     this.#trust = setTimeout(() => (this.#deaths = 0), TRUSTED_MS);
+  }
+
+  /** A worker that is killed from outside says nothing, but lets go of its lock. */
+  async #watch(worker, lock) {
+    try {
+      await navigator.locks.request(lock, () => {});
+    } catch {
+      // Without locks a silent death shows only in what does not come.
+      return;
+    }
+    if (this.#worker === worker) this.#died("it was ended from outside");
   }
 
   /** `cause` is the command, or `{ type: "open", source }`: what brought the events of the answer about. */
@@ -183,6 +231,9 @@ export class EngineClient {
       case "scene":
         this.#on.scene(message.scene);
         break;
+      case "watch":
+        this.#watch(this.#worker, message.lock);
+        break;
       case "died":
         this.#died(message.reason);
         break;
@@ -199,17 +250,20 @@ export class EngineClient {
         this.#made = cause;
         this.#follow(cause);
       }
-      if (event.type === "status") this.#rest(event.state === "preparing", cause);
+      if (event.type === "status") {
+        this.#state = event.state;
+        this.#rest(event.state === "preparing", cause);
+      }
     }
     this.#on.events(events, spent);
+    if (events.some(({ type }) => CHANGED.includes(type))) this.#on.changed();
   }
 
   /** Remembers what was painted. Which strokes Undo took back is the engine's knowledge: after it none are told again. */
   #keep(events, cause) {
     const mesh = this.#meshes[this.#at];
     if (!mesh || !cause || events.some(({ type }) => type === "error")) return;
-    if (cause.type === "undo" || cause.type === "redo") mesh.handwork = [];
-    if (cause.type === "undo" || cause.type === "redo") this.#edits = [];
+    if (TRAVELS.includes(cause.type)) [mesh.handwork, this.#edits] = [[], []];
     if (CONE_EDITS.includes(cause.type)) this.#edits.push(cause);
     if (HANDWORK.includes(cause.type)) mesh.handwork = [...mesh.handwork, cause].slice(-STROKES);
   }
@@ -217,8 +271,10 @@ export class EngineClient {
   /** Keeps account of which mesh is open, one entry for each that Undo and Redo pass through. */
   #follow(cause) {
     if (!cause || cause.isReplay) return;
-    if (cause.type === "undo") this.#at = Math.max(0, this.#at - 1);
-    if (cause.type === "redo") this.#at = Math.min(this.#meshes.length - 1, this.#at + 1);
+    if (TRAVELS.includes(cause.type)) {
+      const passed = { undo: -1, redo: 1 }[cause.type] ?? cause.meshes;
+      this.#at = Math.min(Math.max(0, this.#at + passed), this.#meshes.length - 1);
+    }
     const now = this.#meshes[this.#at];
     const made =
       cause.type === "open"
@@ -245,16 +301,26 @@ export class EngineClient {
     const lost = this.#opening ?? this.document;
     const name = lost?.sample ?? lost?.name;
     console.warn(`The engine stopped: ${reason}`);
+    const file = this.savedProject;
+    if (this.#deaths === 1) this.#rescued = file && { name: this.#saved.name, file };
     if (this.#deaths > ATTEMPTS || !lost) {
       this.#discard();
       this.#on.failed(reason);
+      if (this.#rescued) this.#on.lost(this.#rescued.name, this.#rescued.file, true);
       return;
     }
+    // The last attempt does without the document.
+    const isGivenUp = this.#deaths === ATTEMPTS && this.#opening === null;
     this.#revive(
       this.#opening
-        ? `The solver stopped while opening ${name} and was started again.`
-        : `The solver stopped and was started again; ${name} is back at its start.`,
+        ? `The solver stopped while opening ${name} and was started again. ${reason}`
+        : isGivenUp
+          ? `The solver stopped again and again with ${name}, which was closed. ${reason}`
+          : file && this.#deaths === 1
+            ? `The solver stopped and was started again; ${name} comes back as it was saved last. ${reason}`
+            : `The solver stopped and was started again; ${name} is back at its start. ${reason}`,
     );
+    if (this.#deaths > 1 && !this.#opening) this.#on.lost(name, this.#rescued?.file ?? null, isGivenUp);
   }
 
   #discard() {
@@ -272,22 +338,48 @@ export class EngineClient {
     // What was done to the mesh may be what kills it: the second attempt leaves that out, the third the mesh itself.
     const mesh = this.#deaths < ATTEMPTS ? this.#meshes[this.#at] : null;
     const isFirst = this.#deaths < 2;
+    // A mesh that cannot be opened leaves the one before as it was saved.
+    const project = isFirst ? this.savedProject : null;
     const [values, size] = [{ ...this.#values }, this.#size];
     const [method, edits] = [this.#method, this.#edits];
     this.#edits = [];
     this.#discard();
     this.#spawn();
+    const worker = this.#worker;
     this.#on.restarted(sentence, mesh !== null && mesh !== undefined);
     await this.command({ type: "hello" });
     if (!mesh) {
-      [this.#meshes, this.#at] = [[], -1];
-      return;
+      [this.#meshes, this.#at, this.#saved] = [[], -1, null];
+    } else {
+      // The new engine knows no way back from here.
+      const back = { source: mesh.source, changes: isFirst ? mesh.changes : [], handwork: project ? mesh.handwork : [] };
+      [this.#meshes, this.#at] = [[back], 0];
+      if (project) {
+        this.#saved = { ...this.#saved, mesh: back };
+        this.#edits = edits;
+        await this.#reopen(project, values);
+      } else {
+        this.#saved = null;
+        await this.#open(mesh.source, true);
+        if (method !== this.#method) await this.command({ type: "set_method", id: method });
+        if (isFirst) await this.#replay(mesh, values, size, edits);
+      }
     }
-    // The new engine knows no way back from here.
-    [this.#meshes, this.#at] = [[{ source: mesh.source, changes: isFirst ? mesh.changes : [], handwork: [] }], 0];
-    await this.#open(mesh.source, true);
-    if (method !== this.#method) await this.command({ type: "set_method", id: method });
-    if (isFirst) await this.#replay(mesh, values, size, edits);
+    if (this.#worker === worker) this.#trustLater();
+  }
+
+  /** Opens a saved project, waits until all of it was done again, and sets what was changed since. */
+  async #reopen({ name, bytes }, values) {
+    const copy = bytes.slice().buffer;
+    await this.#request({ type: "open", name, bytes: copy }, [copy], { type: "open", isReplay: true });
+    if (this.#state === "preparing") await new Promise((resolve) => this.#rested.push(resolve));
+    await this.#setValues(values);
+  }
+
+  async #setValues(values) {
+    for (const [id, value] of Object.entries(values)) {
+      if (this.#values[id] !== value) await this.command({ type: "set_parameter", id, value });
+    }
   }
 
   async #replay({ changes, handwork }, values, size, edits) {
@@ -297,9 +389,7 @@ export class EngineClient {
     }
     // Layers first: parameters may ask for what was painted.
     for (const command of handwork) await this.command(command);
-    for (const [id, value] of Object.entries(values)) {
-      if (this.#values[id] !== value) await this.command({ type: "set_parameter", id, value });
-    }
+    await this.#setValues(values);
     for (const command of edits) await this.command(command);
     if (!size || !this.#size) return;
     if (this.#size.unit !== size.unit) await this.command({ type: "set_unit", id: size.unit });

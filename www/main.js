@@ -1,17 +1,22 @@
 // Wires the page together: the engine's events go to the panels, what people do goes to the engine as commands. The
 // page itself holds no geometry; it draws, each animation frame, the newest scene that the worker has sent.
 
+import { autosave } from "./autosave.js";
 import { coneMethod } from "./cones.js";
 import { byId, h, paced, settle } from "./dom.js";
 import { EngineClient } from "./engine-client.js";
 import { listenToKeys } from "./keys.js";
+import { keepOffline } from "./offline.js";
 import { FLAT, SURFACE, Views } from "./views.js";
 import { alarm } from "./panels/alarm.js";
 import { brushPanel } from "./panels/brush.js";
 import { fileSources } from "./panels/drop.js";
+import { embed } from "./panels/embed.js";
 import { emptyState } from "./panels/empty.js";
 import { errorPanel, toast } from "./panels/error.js";
 import { download, exportMenu } from "./panels/export-menu.js";
+import { historyPanel } from "./panels/history.js";
+import { keepCut } from "./panels/keep.js";
 import { learnPanel } from "./panels/learn.js";
 import { legends } from "./panels/legends.js";
 import { measuresPanel } from "./panels/measures.js";
@@ -22,8 +27,9 @@ import { patternPanel } from "./panels/pattern.js";
 import { piecesPanel } from "./panels/pieces.js";
 import { energyPlot } from "./panels/plot.js";
 import { presetsPanel } from "./panels/presets.js";
+import { offerRestore } from "./panels/restore.js";
 import { ruler } from "./panels/ruler.js";
-import { readAddress, shareButton, valueFor } from "./panels/share.js";
+import { address, readAddress, shareButton, valueFor } from "./panels/share.js";
 import { statusPanel } from "./panels/status.js";
 import { symmetryPanel } from "./panels/symmetry.js";
 import { textureTool } from "./panels/texture.js";
@@ -266,6 +272,18 @@ const tools = viewTools(views, () => {
 });
 const tabs = methodTabs(chooseMethod, say);
 
+const saving = autosave({
+  make: () => client.saveProject(),
+  say,
+  about: () => ({ name: now.mesh.name, about: `${words().label}, step ${status.step()}` }),
+});
+const history = historyPanel((changes, meshes) => {
+  brush.drop();
+  endFold().then(() => waits.answer("Going through the history", "Going through the history was cancelled.", () => client.travel(changes, meshes)));
+});
+
+const keeping = keepCut(() => changing("Putting the cut on this mesh", { type: "keep_cut" }));
+
 const handlers = {
   ...cones.handlers,
   methods(event) {
@@ -278,6 +296,8 @@ const handlers = {
   },
   mesh(event) {
     now.mesh = event;
+    saving.renew();
+    keeping.end();
     now.doctor = null;
     now.opened = {};
     now.stages = null;
@@ -312,6 +332,7 @@ const handlers = {
     showPattern();
   },
   tools: (event) => meshPanel.tools(event),
+  keep_offer: (event) => keeping.offer(event.from),
   progress: ({ label, fraction }) => waits.progress(label, fraction),
   parameters(event) {
     now.values = event.values;
@@ -352,6 +373,7 @@ const handlers = {
     // The preview is watched while it goes on and ends with its own button.
     waits.prepare(event.state === "preparing" && !fold.isOn() ? event.text : null);
     status.show(event);
+    saving.state(event.state);
     cones.status(event);
     explainEmpty();
     learn.update();
@@ -381,7 +403,9 @@ const handlers = {
       select.value = event.current ?? "pieces";
     }
   },
-  history({ undo, redo }) {
+  history(event) {
+    const { undo, redo } = event;
+    history.show(event);
     // Something was done: what could not be done before it is no news any more.
     error.hideRefusal();
     for (const [id, name, text, keys] of [
@@ -416,7 +440,17 @@ const client = new EngineClient({
     updateLegends();
     learn.update();
   },
+  changed: () => saving.changed(),
+  lost(name, file, isClosed) {
+    error.show({
+      what: isClosed ? `${name} makes the solver stop, so it was closed.` : `${name} stopped the solver twice and is back at its start.`,
+      where: "The same mesh with the same settings stopped it several times in a row.",
+      what_to_do: "Open it again with other settings, or reduce it first.",
+      action: file && { label: "Download its project", run: () => download(file.name, new Blob([file.bytes], { type: file.mime })) },
+    });
+  },
   restarted(sentence, hasDocument) {
+    saving.forget();
     waits.end();
     brush.drop();
     symmetry.rest();
@@ -725,7 +759,7 @@ for (const [id, name] of [["undo", "Undo"], ["redo", "Redo"]]) {
 for (const select of document.querySelectorAll("select.overlay")) {
   select.addEventListener("change", () => showField(select.value));
 }
-shareButton(() => ({
+const setting = () => ({
   sample: client.document?.sample ?? null,
   isChanged: client.isChanged,
   name: now.mesh?.name,
@@ -733,7 +767,11 @@ shareButton(() => ({
   specs: parameters.specs(),
   values: now.values,
   opened: now.opened[now.method] ?? {},
-}));
+  pose: views.pose(),
+  field: now.fields.current,
+  look: texture.chosen(),
+});
+shareButton(setting);
 
 byId("hide-seams").addEventListener("click", hideSeams);
 
@@ -763,22 +801,50 @@ theme((dark) => views.setDark(dark));
 views.start(asked.renderer);
 
 async function begin() {
+  if (asked.embed) {
+    embed(() => address(setting()));
+    saving.stayInMemory();
+  }
+  texture.ask(asked.look);
   await client.command({ type: "hello" });
+  // Nothing of another method is shown first.
+  if (asked.method !== now.method && tabs.has(asked.method)) await client.command({ type: "set_method", id: asked.method });
   const { options } = now.samples;
   const wanted = asked.sample ?? FIRST_SAMPLE;
   const isKnown = options.length === 0 || options.some(({ name }) => name === wanted);
   if (!isKnown) say(`There is no sample named ${wanted}; this is the ${FIRST_SAMPLE}.`);
   const opened = await openSample(isKnown ? wanted : FIRST_SAMPLE);
   if (!opened) return;
-  if (asked.method !== now.method) {
-    if (tabs.has(asked.method)) await chooseMethod(asked.method);
-  }
+  if (asked.view) views.setPose(asked.view);
   for (const spec of parameters.specs()) {
     const value = spec.id in asked.values ? valueFor(spec, asked.values[spec.id]) : undefined;
     if (value !== undefined && value !== now.values[spec.id]) {
       await client.command({ type: "set_parameter", id: spec.id, value });
     }
   }
+  if (now.fields.options.some(({ id }) => id === asked.field)) showField(asked.field);
   if (asked.run) await client.command({ type: "run" });
+  if (asked.stage) learn.openAt(asked.stage);
 }
-begin();
+
+/** The last session is offered beside the sample; what is done by hand from then on is kept for the next visit. */
+async function offer() {
+  const isAnswered = asked.sample || asked.embed;
+  const offered = isAnswered ? null : await offerRestore({
+    open: (name, bytes) => opening(name, () => client.openMesh(name, bytes)),
+    say,
+  });
+  // Looking is no work that anybody would miss.
+  const acts = ["click", "change", "drop"];
+  const act = ({ target, isTrusted }) => {
+    if (!isTrusted || target.closest?.(".restore, .stage, .sheet, #theme, #learn, #share, .unsupported")) return;
+    saving.store();
+  };
+  for (const type of acts) addEventListener(type, act, true);
+  return offered;
+}
+
+begin().finally(() => {
+  if (!asked.embed) keepOffline();
+});
+offer();

@@ -44,6 +44,8 @@ export class Views {
   #image = null;
   #sizes = ["", ""];
   #rebuilds = 0;
+  /** Where the camera of the surface is to be put with the next picture; null where it stays. */
+  #pose = null;
   #isBlind = false;
   #pointerAt = null;
   #numbers = [];
@@ -229,6 +231,22 @@ export class Views {
     this.#viewer?.fit(view);
   }
 
+  /** Where the camera of the surface stands, to come back to; null where nothing is drawn. */
+  pose() {
+    return this.#viewer && this.#scene ? [...this.#viewer.pose()] : null;
+  }
+
+  /** Puts the camera of the surface there: at once, or with the first picture. */
+  setPose(pose) {
+    this.#pose = pose;
+    if (this.#viewer && this.#scene && !this.#sceneIsNew) this.#takePose();
+  }
+
+  #takePose() {
+    if (this.#pose) this.#viewer.set_pose(new Float32Array(this.#pose));
+    this.#pose = null;
+  }
+
   /** Screen pixels for one unit of the layout, or 0 while nothing is shown. */
   pixelsPerUnit() {
     return this.#scene && this.#viewer ? this.#viewer.chart_pixels_per_unit() : 0;
@@ -308,12 +326,18 @@ export class Views {
     viewer.set_cone_marks(this.#marks.hover, this.#marks.selected);
     this.#viewer = viewer;
     this.#resize();
-    if (this.#scene) viewer.set_scene(this.#scene);
+    if (this.#scene) {
+      viewer.set_scene(this.#scene);
+      // A new camera has framed nothing yet.
+      viewer.fit(SURFACE);
+      this.#takePose();
+    }
   }
 
   async #rebuild() {
     if (!this.#viewer) return;
     this.#rebuilds += 1;
+    this.#pose = this.pose() ?? this.#pose;
     this.#viewer = null;
     try {
       if (this.#rebuilds > REBUILDS) throw new Error("the graphics were lost again and again");
@@ -353,6 +377,7 @@ export class Views {
       this.#sceneIsNew = false;
       try {
         this.#viewer.set_scene(this.#scene);
+        this.#takePose();
       } catch (error) {
         // The viewer keeps the picture before; whatever is wrong with this scene, the next may be sound.
         console.error("A scene was refused:", error);

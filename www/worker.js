@@ -4,6 +4,8 @@
 import init, { Engine } from "./pkg/engine.js";
 
 const SLICE_MS = 25;
+/** WebAssembly can have 4 GiB; who dies with as much as this has asked for more. */
+const FULL_BYTES = 3 * 2 ** 30;
 
 let engine = null;
 let pageIsReady = true;
@@ -13,12 +15,26 @@ let looping = false;
 const next = new MessageChannel();
 next.port1.onmessage = () => guarded(slice);
 
+let wasm = null;
+
 const ready = init()
-  .then(() => {
+  .then((exports) => {
+    wasm = exports;
     engine = new Engine();
     engine.warm_up();
   })
   .catch((error) => die(error));
+
+// While this worker lives it holds a lock; the page waits for it and so hears of a death that nobody could tell.
+if (self.navigator.locks) {
+  const lock = `cutflow engine ${Math.random()}`;
+  self.navigator.locks
+    .request(lock, () => {
+      self.postMessage({ type: "watch", lock });
+      return new Promise(() => {});
+    })
+    .catch(() => {});
+}
 
 self.onmessage = async ({ data }) => {
   await ready;
@@ -36,6 +52,9 @@ function answer(request) {
       break;
     case "open":
       reply(request.id, { events: engine.open(request.name, new Uint8Array(request.bytes)) });
+      break;
+    case "save":
+      reply(request.id, save());
       break;
     case "export":
       reply(request.id, refusable(() => ({ events: [], file: engine.export_file(request.kind) })));
@@ -56,6 +75,13 @@ function slice() {
   self.postMessage({ type: "events", events, spent: performance.now() - start });
   offerScene();
   next.port2.postMessage(null);
+}
+
+/** The project as it is now. A refusal is none of the page's business: nobody asked for it. */
+function save() {
+  const start = performance.now();
+  const { file = null } = refusable(() => ({ file: engine.export_file("Project (JSON)") }));
+  return { events: [], file, spent: performance.now() - start };
 }
 
 // A refusal has three parts and is an answer; anything else that is thrown means that the engine is broken.
@@ -97,5 +123,7 @@ function guarded(work) {
 function die(error) {
   engine = null;
   looping = false;
-  self.postMessage({ type: "died", reason: String(error?.message ?? error) });
+  const isFull = error instanceof RangeError || wasm?.memory.buffer.byteLength > FULL_BYTES;
+  const reason = isFull ? "It ran out of memory: reduce the mesh under Prepare, or with another program." : String(error?.message ?? error);
+  self.postMessage({ type: "died", reason });
 }

@@ -16,6 +16,13 @@ use crate::mesh::read::{self, ReadNotice};
 /// Largest polygon that is divided: a second's work for all that look at it.
 const MOST_CORNERS: usize = 5000;
 
+/// Bytes that a triangle takes while its surface is cut: 1500 with 100 000 triangles, a little more with each doubling as
+/// factors fill up. Were it smaller, a browser would stop in the middle of the first cut instead of saying why.
+const BYTES_PER_TRIANGLE: u64 = 1_800;
+
+/// What 32 bits can address, less room for Undo and exports.
+const ROOM_OF_32_BITS: u64 = 7 << 29;
+
 /// A mesh as it was opened, repaired or prepared.
 #[derive(Clone, Debug)]
 pub struct Document {
@@ -95,6 +102,7 @@ impl Document {
         reading: Vec<NoticeText>,
     ) -> Result<Self, Problem> {
         check_polygons(name, &soup)?;
+        check_room(name, soup.corners.len().saturating_sub(2 * soup.polygon_count()))?;
         let bounds = used_bounds(&soup);
         let examination = doctor::examine(&soup);
         let (triangles, triangle_polygons) = doctor::triangles(&soup);
@@ -253,6 +261,31 @@ fn without_orphans(before: &Soup, after: Soup) -> Soup {
     Soup { positions, corners, ..after }
 }
 
+/// Refuses what there is no room for before any of it is taken. Natively the machine decides.
+fn check_room(name: &str, triangles: usize) -> Result<(), Problem> {
+    if usize::BITS > 32 { Ok(()) } else { check_room_of(name, triangles, ROOM_OF_32_BITS) }
+}
+
+fn check_room_of(name: &str, triangles: usize, room: u64) -> Result<(), Problem> {
+    let needed = (triangles as u64).saturating_mul(BYTES_PER_TRIANGLE);
+    if needed <= room {
+        return Ok(());
+    }
+    let most = room / BYTES_PER_TRIANGLE / 10_000 * 10_000;
+    let gibibytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    Err(Problem::new(
+        format!(
+            "The mesh has {triangles} triangles: cutting it takes about {:.1} GiB of memory, and a browser gives {:.1}.",
+            gibibytes(needed),
+            gibibytes(room)
+        ),
+        format!("{name}."),
+        format!(
+            "Reduce it to {most} triangles or fewer in a modelling program, or use the cutflow command."
+        ),
+    ))
+}
+
 /// Refuses polygons that would take forever to divide: the time grows with the square of their corners.
 fn check_polygons(name: &str, soup: &Soup) -> Result<(), Problem> {
     let corners = |i: usize| soup.polygon(i).len();
@@ -285,4 +318,23 @@ fn used_bounds(soup: &Soup) -> [[f64; 3]; 2] {
         }
     }
     bounds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_that_no_memory_holds_is_refused_in_three_parts() {
+        assert_eq!(check_room_of("small.obj", 1_000_000, ROOM_OF_32_BITS), Ok(()));
+        let problem = check_room_of("large.obj", 3_000_000, ROOM_OF_32_BITS).unwrap_err();
+        assert!(problem.what.contains("3000000 triangles") && problem.what.contains("GiB"));
+        assert_eq!(problem.place, "large.obj.");
+        assert!(
+            problem.what_to_do.contains("2080000 triangles or fewer"),
+            "{}",
+            problem.what_to_do
+        );
+        assert!(check_room_of("huge.obj", usize::MAX, ROOM_OF_32_BITS).is_err());
+    }
 }

@@ -46,6 +46,13 @@ pub enum Command {
     Undo,
     /// Makes it again.
     Redo,
+    /// Puts the cut of the mesh before on the one that is open, by nearest points.
+    KeepCut,
+    /// Takes back, or makes again, several changes at once.
+    Travel {
+        /// How many: negative ones are taken back, positive ones are made again.
+        changes: i32,
+    },
     /// Shows the document again after an error.
     DismissError,
     /// Marks what a finding names on the surface; `None` goes back to the pieces.
@@ -283,10 +290,19 @@ pub enum Event {
     },
     /// What Undo and Redo would do.
     History {
+        /// The changes that Undo goes through, the last one first.
+        done: Vec<ChangeName>,
+        /// The changes that Redo goes through, the next one first.
+        undone: Vec<ChangeName>,
         /// The change that Undo would take back.
         undo: Option<String>,
         /// The change that Redo would make again.
         redo: Option<String>,
+    },
+    /// The mesh took the place of another file whose cut can be kept.
+    KeepOffer {
+        /// The name of the mesh before.
+        from: String,
     },
     /// Something could not be done; the document is as it was.
     Error {
@@ -724,6 +740,15 @@ pub struct PatternSize {
     pub unit_length: f64,
     /// Crossings of outlines, with themselves and with each other.
     pub overlaps: usize,
+}
+
+/// A change in the history.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ChangeName {
+    /// What Undo and Redo call it.
+    pub label: String,
+    /// Whether the mesh before it is another one than the mesh after it.
+    pub is_other_mesh: bool,
 }
 
 /// A parameter: slider, command-line option and help text are made from it.

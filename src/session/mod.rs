@@ -18,6 +18,7 @@ mod doctor;
 mod document;
 mod folding;
 mod inputs;
+mod keeping;
 mod layout;
 mod message;
 mod method;
@@ -51,6 +52,7 @@ use std::rc::Rc;
 use crate::methods::cutflow::CutFlow;
 use crate::methods::flow::Status;
 use inputs::Layers;
+use keeping::Kept;
 use preparing::Preparation;
 use project::{Entry, Gift, Log, Replay};
 use work::{Pending, Snapshot, Work, start_flow};
@@ -65,10 +67,10 @@ pub use cut_file::{cut_from_json, cut_from_uv, specimen, sphere_obj, surface_lay
 pub use document::Document;
 pub use layout::Layout;
 pub use message::{
-    Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary, MethodChoice,
-    NoticeText, PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow, PresetChoice,
-    RepairChoice, Row, SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term, ToolParam,
-    ToolSpec, Value,
+    ChangeName, Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary,
+    MethodChoice, NoticeText, PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow,
+    PresetChoice, RepairChoice, Row, SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term,
+    ToolParam, ToolSpec, Value,
 };
 pub use method::Method;
 pub use outlines::Outline;
@@ -118,6 +120,8 @@ pub struct Session {
     log: Log,
     /// What is to be done again of a project.
     replay: Replay,
+    /// The cut of the mesh before, which may be kept.
+    kept: Option<Kept>,
     /// Whether a control is held.
     is_held: bool,
     /// Whether somebody looks at the sheet of the pattern.
@@ -135,7 +139,7 @@ impl Session {
         // A project that is still being opened goes no further once somebody takes over.
         let is_looking = matches!(command, Command::Hold { .. } | Command::EndStroke);
         let is_other =
-            matches!(command, Command::OpenSample { .. } | Command::Undo | Command::Redo);
+            matches!(command, Command::OpenSample { .. } | Command::KeepCut) || is_travel(&command);
         if project::is_kept(&command) && !is_looking || is_other {
             self.replay = Replay::default();
         }
@@ -149,7 +153,7 @@ impl Session {
         if !goes_along_with_preparing(&command) && self.preparation.take().is_some() {
             events.push(self.status());
         }
-        if !matches!(command, Command::Paint { .. } | Command::Undo | Command::Redo) {
+        if !matches!(command, Command::Paint { .. }) && !is_travel(&command) {
             self.end_stroke();
         }
         let result = match command {
@@ -179,8 +183,9 @@ impl Session {
                 events.push(Event::Scene);
                 Ok(())
             }
-            Command::Undo => self.travel(true, &mut events),
-            Command::Redo => self.travel(false, &mut events),
+            Command::Undo => self.travel(-1, &mut events),
+            Command::Redo => self.travel(1, &mut events),
+            Command::Travel { changes } => self.travel(changes, &mut events),
             Command::DismissError => {
                 events.push(self.status());
                 Ok(())
@@ -229,6 +234,7 @@ impl Session {
             Command::SelectSegment { node } => self.select_segment(node, &mut events),
             Command::Sew { patches, joins } => self.sew(patches, joins, &mut events),
             Command::HandOver => self.hand_over(&mut events),
+            Command::KeepCut => self.keep_cut(&mut events),
             Command::ShowPattern { is_shown } => self.show_pattern(is_shown, &mut events),
             Command::Nest => self.nest(&mut events),
             Command::ApplyTrade { id } => self.apply_trade(&id, &mut events),
@@ -266,13 +272,16 @@ impl Session {
         let mut events = std::mem::take(&mut self.late);
         self.preparation = None;
         self.replay = Replay::default();
-        let opened = if project::is_project_file(bytes) {
+        let is_project = project::is_project_file(bytes);
+        let kept = self.cut_at_hand().filter(|_| !is_project);
+        let opened = if is_project {
             self.open_project(name, bytes, &mut events)
         } else {
             self.adopt(Document::from_bytes(name, bytes), &mut events)
         };
-        if let Err(problem) = opened {
-            self.refuse(problem, &mut events);
+        match opened {
+            Ok(()) => self.offer_to_keep(kept, &mut events),
+            Err(problem) => self.refuse(problem, &mut events),
         }
         events
     }
@@ -910,8 +919,9 @@ impl Session {
     }
 
     fn history_event(&self) -> Event {
-        let label = |list: &[Snapshot]| list.last().map(|s| s.label.clone());
-        Event::History { undo: label(&self.undo), redo: label(&self.redo) }
+        let [done, undone] = [&self.undo, &self.redo].map(|list| self.changes(list));
+        let label = |list: &[ChangeName]| list.first().map(|change| change.label.clone());
+        Event::History { undo: label(&done), redo: label(&undone), done, undone }
     }
 
     fn status(&self) -> Event {
@@ -967,6 +977,11 @@ impl Session {
 
 fn error_event(problem: Problem) -> Event {
     Event::Error { what: problem.what, place: problem.place, what_to_do: problem.what_to_do }
+}
+
+/// Whether a command goes along the history.
+fn is_travel(command: &Command) -> bool {
+    matches!(command, Command::Undo | Command::Redo | Command::Travel { .. })
 }
 
 /// Whether a preparation goes on beside a command: looks, and parameters of what comes after it.

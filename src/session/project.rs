@@ -166,6 +166,9 @@ pub(super) fn is_kept(command: &Command) -> bool {
             | Command::DismissError
             | Command::Undo
             | Command::Redo
+            | Command::Travel { .. }
+            // What it brings along is kept in its place.
+            | Command::KeepCut
     )
 }
 

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::document::Document;
-use super::message::{Command, Event};
+use super::message::{ChangeName, Command, Event};
 use super::text::Problem;
 use super::work::{Snapshot, Work, start_flow};
 use super::{Entry, Session};
@@ -48,11 +48,17 @@ impl Session {
         self.undo.drain(..self.undo.len() - kept);
     }
 
-    /// Undo or redo.
-    pub(super) fn travel(&mut self, back: bool, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let (from, to) =
-            if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
-        let Some(target) = from.last() else { return Ok(()) };
+    /// Undo (negative) or redo of so many changes at once, or of all that there are. What lies between is passed over: only
+    /// where the way ends a cut is laid out.
+    pub(super) fn travel(&mut self, changes: i32, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let (from, to) = if changes < 0 {
+            (&mut self.undo, &mut self.redo)
+        } else {
+            (&mut self.redo, &mut self.undo)
+        };
+        let count = from.len().min(changes.unsigned_abs() as usize);
+        let end = from.len() - count;
+        let Some(target) = from.get(end) else { return Ok(()) };
         let flow = match &target.checkpoint {
             Some(checkpoint) => Some(start_flow(
                 &target.document,
@@ -62,13 +68,17 @@ impl Session {
             )?),
             None => None,
         };
-        let Some(target) = from.pop() else { return Ok(()) };
-        if let Some(work) = &self.work {
-            let mut snapshot = work.snapshot(&target.label, &target.kind);
-            snapshot.log = self.log.clone();
-            snapshot.was_running = self.is_running;
-            to.push(snapshot);
+        let Some(work) = &self.work else { return Ok(()) };
+        let mut passed = work.snapshot("", "");
+        passed.log = self.log.clone();
+        passed.was_running = self.is_running;
+        // A change keeps its name while what is on its other side takes its place.
+        for next in from.drain(end..).rev() {
+            passed.label.clone_from(&next.label);
+            passed.kind.clone_from(&next.kind);
+            to.push(std::mem::replace(&mut passed, next));
         }
+        let target = passed;
         self.log = target.log;
         if target.was_running {
             // Nothing runs after Undo.
@@ -94,5 +104,16 @@ impl Session {
         }
         self.tell_pattern(events);
         Ok(())
+    }
+
+    /// The names along the way back or forth, nearest first.
+    pub(super) fn changes(&self, list: &[Snapshot]) -> Vec<ChangeName> {
+        let mut here = self.work.as_ref().map(|work| Rc::as_ptr(&work.document));
+        let name = |snapshot: &Snapshot| {
+            let there = Some(Rc::as_ptr(&snapshot.document));
+            let is_other_mesh = std::mem::replace(&mut here, there) != there;
+            ChangeName { label: snapshot.label.clone(), is_other_mesh }
+        };
+        list.iter().rev().map(name).collect()
     }
 }

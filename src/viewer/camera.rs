@@ -151,6 +151,22 @@ impl Orbit {
         }
     }
 
+    /// Where it stands: yaw and pitch in radians, then the distance and the offset of the target as seen from `framed`,
+    /// which frames everything from the same side. The same pose shows the same in a view of another shape.
+    pub fn pose(&self, framed: &Self) -> [f32; 6] {
+        let off = self.target - framed.target;
+        [self.yaw, self.pitch, self.distance / framed.distance, off.x, off.y, off.z]
+    }
+
+    /// Takes a pose of finite numbers, within the bounds that hands can reach. **Takes** it for framed as it stood last.
+    pub fn set_pose(&mut self, [yaw, pitch, distance, x, y, z]: [f32; 6]) {
+        let (home, far) = self.home;
+        self.yaw = yaw.rem_euclid(std::f32::consts::TAU);
+        self.pitch = pitch.clamp(-MAX_PITCH, MAX_PITCH);
+        self.distance = distance.clamp(0.02, 3.0) * far;
+        self.target = (home + Vec3::new(x, y, z)).clamp_length_max(2.0);
+    }
+
     /// The point under a place of the screen that is as far away as the target.
     pub fn beside_target(&self, css: Vec2, viewport: Viewport) -> Vec3 {
         let ray = self.ray(css, viewport);
@@ -403,6 +419,26 @@ mod tests {
         let css = to_screen(&sheet.projection(VIEWPORT), corner.extend(0.0));
         assert!(css.distance(sheet.to_screen(corner, VIEWPORT)) < 1e-2);
         assert!((css.x - (600.0 - SHEET_MARGIN)).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_pose_brings_the_same_picture_back() {
+        let mut orbit = orbit();
+        orbit.rotate(Vec2::new(70.0, -40.0), VIEWPORT);
+        orbit.zoom(2.5, Vec3::new(0.3, 0.2, 0.1));
+        orbit.pan(Vec2::new(12.0, 30.0), VIEWPORT);
+        let mut framed = orbit;
+        framed.fit(ball(1.0), VIEWPORT);
+        let pose = orbit.pose(&framed);
+        let mut again = Orbit::default();
+        again.set_pose(pose);
+        again.fit(ball(1.0), VIEWPORT);
+        again.set_pose(pose);
+        for point in ball(1.0).step_by(97) {
+            let [there, back] =
+                [&orbit, &again].map(|o| o.projection(VIEWPORT).world_to_clip * point.extend(1.0));
+            assert!((there - back).length() < 1e-4, "{there} {back}");
+        }
     }
 
     #[test]

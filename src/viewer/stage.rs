@@ -494,11 +494,37 @@ impl Stage {
         }
     }
 
+    /// Where the camera of the surface stands, see [`Orbit::pose`].
+    pub fn pose(&self) -> [f32; 6] {
+        let mut framed = self.orbit;
+        if !self.orbit_is_fitted {
+            framed.fit(self.points(), self.viewport(View::Surface));
+        }
+        self.orbit.pose(&framed)
+    }
+
+    /// Puts the camera of the surface somewhere.
+    pub fn set_pose(&mut self, pose: [f32; 6]) {
+        if self.usable(View::Surface, Vec2::ZERO).is_none() || !pose.iter().all(|x| x.is_finite()) {
+            return;
+        }
+        // What frames everything is another distance for each pitch.
+        self.orbit.set_pose(pose);
+        self.fit_orbit();
+        self.orbit.set_pose(pose);
+        self.orbit_is_fitted = pose[2..] == [1.0, 0.0, 0.0, 0.0];
+    }
+
+    fn points(&self) -> impl Iterator<Item = Vec3> + Clone {
+        self.scene.positions.as_chunks().0.iter().copied().map(Vec3::from_array)
+    }
+
     fn fit_orbit(&mut self) {
         let viewport = self.viewport(View::Surface);
         if !viewport.is_empty() {
-            let points = self.scene.positions.as_chunks().0.iter().copied();
-            self.orbit.fit(points.map(Vec3::from_array), viewport);
+            let mut orbit = self.orbit;
+            orbit.fit(self.points(), viewport);
+            self.orbit = orbit;
             self.orbit_is_fitted = true;
         }
     }

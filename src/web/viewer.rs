@@ -192,6 +192,18 @@ impl Viewer {
         self.stage.eye().to_array().to_vec()
     }
 
+    /// Six numbers of where the camera of the surface stands, to come back to with `set_pose`.
+    pub fn pose(&self) -> Vec<f32> {
+        self.stage.pose().to_vec()
+    }
+
+    /// Puts the camera of the surface there; what are no six numbers changes nothing.
+    pub fn set_pose(&mut self, pose: &[f32]) {
+        if let Ok(pose) = pose.try_into() {
+            self.stage.set_pose(pose);
+        }
+    }
+
     /// `[x, y, size]` for each patch: where its number stands on the flattened view and the
     /// diameter of the room for it; NaN where it is hidden.
     pub fn anchors(&self) -> Vec<f32> {

@@ -1,7 +1,7 @@
 //! Sessions driven by commands, as page and command line drive them.
 
 use cutflow::mesh::read::{Content, obj};
-use cutflow::session::{Command, Event, Session, Value};
+use cutflow::session::{ChangeName, Command, Event, Session, Value};
 
 pub(crate) fn errors(events: &[Event]) -> Vec<String> {
     events
@@ -145,6 +145,105 @@ fn undo_and_redo_restore_parameters_and_cut() {
     session.handle(Command::Redo);
     session.handle(Command::Redo);
     assert_eq!(session.history().len(), 4);
+}
+
+/// `done`, then `undone`, as they were told last.
+fn history(events: &[Event]) -> [Vec<(String, bool)>; 2] {
+    let names = |list: &[ChangeName]| -> Vec<(String, bool)> {
+        list.iter().map(|change| (change.label.clone(), change.is_other_mesh)).collect()
+    };
+    let told = events.iter().rev().find_map(|event| match event {
+        Event::History { done, undone, .. } => Some([names(done), names(undone)]),
+        _ => None,
+    });
+    told.unwrap()
+}
+
+#[test]
+fn several_changes_at_once_lead_where_one_after_the_other_would() {
+    let prepared = || {
+        let mut session = Session::new();
+        session.open("first.obj", ball(8).as_bytes());
+        set(&mut session, "init", Value::Text("plane".into()));
+        session.handle(Command::Step);
+        session.open("second.obj", ball(6).as_bytes());
+        set(&mut session, "length", Value::Number(5.0));
+        let events = session.handle(Command::Step);
+        (session, history(&events))
+    };
+    let (mut leaps, [done, undone]) = prepared();
+    let (mut walks, _) = prepared();
+    let names: Vec<&str> = done.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(
+        names,
+        ["step", "change cut length", "open second.obj", "step", "change initial cut"]
+    );
+    let meshes: Vec<bool> = done.iter().map(|(_, is_other)| *is_other).collect();
+    assert_eq!(meshes, [false, false, true, false, false]);
+    assert!(undone.is_empty());
+
+    let there = history(&leaps.handle(Command::Travel { changes: -4 }));
+    let mut last = Vec::new();
+    for _ in 0..4 {
+        last = walks.handle(Command::Undo);
+    }
+    assert_eq!(there, history(&last));
+    assert_eq!(there[0], done[4..]);
+    let mut all = done.clone();
+    all.reverse();
+    assert_eq!(there[1], all[1..]);
+    assert_eq!(leaps.labels(), walks.labels());
+    assert_eq!(leaps.history(), walks.history());
+
+    // Further than there is, then all the way forth again.
+    let [done_at_first, _] = history(&leaps.handle(Command::Travel { changes: -100 }));
+    assert!(done_at_first.is_empty());
+    let end = leaps.handle(Command::Travel { changes: i32::MAX });
+    assert!(errors(&end).is_empty());
+    assert_eq!(history(&end), [done, Vec::new()]);
+    for _ in 0..4 {
+        walks.handle(Command::Redo);
+    }
+    for kind in ["Cut (JSON)", "Project (JSON)"] {
+        assert!(leaps.export(kind).unwrap().bytes == walks.export(kind).unwrap().bytes, "{kind}");
+    }
+    assert!(errors(&leaps.handle(Command::Travel { changes: 0 })).is_empty());
+    assert!(errors(&leaps.handle(Command::Travel { changes: i32::MIN })).is_empty());
+}
+
+#[test]
+fn a_cut_goes_along_to_a_mesh_that_takes_the_place_of_another() {
+    let mut session = Session::new();
+    session.open("coarse.obj", ball(8).as_bytes());
+    set(&mut session, "init", Value::Text("plane".into()));
+    let before: Vec<u32> = session.labels();
+    let events = session.open("fine.obj", ball(14).as_bytes());
+    let offered = |events: &[Event]| {
+        events.iter().find_map(|event| match event {
+            Event::KeepOffer { from } => Some(from.clone()),
+            _ => None,
+        })
+    };
+    assert_eq!(offered(&events).as_deref(), Some("coarse.obj"));
+    assert_eq!(errors(&session.handle(Command::KeepCut)), Vec::<String>::new());
+    let share = |labels: &[u32]| {
+        labels.iter().filter(|&&label| label == 0).count() as f64 / labels.len() as f64
+    };
+    // One row of vertices along the plane may fall to either side.
+    assert!((share(&session.labels()) - share(&before)).abs() < 0.1);
+    assert!(share(&before) > 0.2 && share(&before) < 0.8);
+    // It is taken once, and a project holds what it gave.
+    assert_eq!(errors(&session.handle(Command::KeepCut)).len(), 1);
+    let project = session.export("Project (JSON)").unwrap().bytes;
+    let mut again = Session::new();
+    again.open("again.json", &project);
+    while again.is_running() {
+        again.advance(&mut || true);
+    }
+    assert_eq!(again.labels(), session.labels());
+    // A sample has nothing to offer, nor is anything offered to it.
+    session.handle(Command::OpenSample { name: "ball".into() });
+    assert_eq!(offered(&session.open("other.obj", ball(8).as_bytes())), None);
 }
 
 #[test]

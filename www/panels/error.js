@@ -10,8 +10,8 @@ export function errorPanel(dismissed) {
   const host = byId("error");
   let isRefusal = false;
   return {
-    /** Takes an `error` event; a refusal is about a document and goes when another one is opened. */
-    show({ what, where, what_to_do }, refusal = false) {
+    /** Takes an `error` event, maybe with an `action`, `{ label, run }`; a refusal is about a document and goes when another one is opened. */
+    show({ what, where, what_to_do, action }, refusal = false) {
       isRefusal = refusal;
       const close = h(
         "button",
@@ -34,6 +34,7 @@ export function errorPanel(dismissed) {
           h("p", { class: "what" }, what),
           where ? h("p", { class: "where" }, where) : null,
           what_to_do ? h("p", { class: "todo" }, what_to_do) : null,
+          action ? h("p", {}, h("button", { class: "act", onclick: action.run }, action.label)) : null,
         ),
         close,
       );

@@ -183,5 +183,10 @@ export function learnPanel(on, facts) {
       build(method, title);
     },
     isOpen: () => !panel.hidden,
+    /** Opens at a stage, counted from 1; the nearest one where there are fewer. */
+    openAt(stage) {
+      at = Math.min(Math.max(0, stage - 1), lessons.length - 1);
+      open();
+    },
   };
 }

@@ -1,8 +1,13 @@
-// Links that bring a setting back: the sample, the method and every parameter that opening it would not set.
+// Links that bring a setting back: the sample, the method, every parameter that opening it would not set, and how it is
+// looked at: the camera, the field, the texture.
 
 import { byId, popover } from "../dom.js";
 
 const PREFIX = "p.";
+/** Longer links are cut short by mail programs and refused by hosts. */
+const MOST_BYTES = 8192;
+/** Digits of a camera: finer than a pixel. */
+const DIGITS = 3;
 
 /** What the address of the page asks for. */
 export function readAddress() {
@@ -15,7 +20,19 @@ export function readAddress() {
     renderer: query.get("renderer"),
     run: query.get("run") !== "0",
     values,
+    view: poseFrom(query.get("view")),
+    field: query.get("field"),
+    look: { texture: query.get("texture"), atlas: query.get("atlas") },
+    embed: query.get("embed") === "1",
+    /** The stage that Learn opens at, null where it stays closed. */
+    stage: query.get("learn") === "1" || query.has("stage") ? Math.max(1, Math.trunc(Number(query.get("stage"))) || 1) : null,
   };
+}
+
+/** Six numbers of a camera, null for anything else. */
+function poseFrom(text) {
+  const pose = (text ?? "").split(",").map((number) => (number.trim() === "" ? NaN : Number(number)));
+  return pose.length === 6 && pose.every(Number.isFinite) ? pose : null;
 }
 
 /** The text of an address as the value of a parameter; undefined where it makes no sense. */
@@ -25,7 +42,8 @@ export function valueFor(spec, text) {
   return { true: true, false: false }[text];
 }
 
-function address({ sample, method, specs, values, opened }) {
+/** The address that brings a setting back, see `shareButton`. */
+export function address({ sample, method, specs, values, opened, pose, field, look }) {
   const query = new URLSearchParams();
   if (sample) query.set("sample", sample);
   query.set("method", method);
@@ -35,20 +53,31 @@ function address({ sample, method, specs, values, opened }) {
     // Samples have values of their own; who opens the link for a file may start from any.
     if (id in values && !(sample && values[id] === opened[id])) query.set(PREFIX + id, String(values[id]));
   }
+  if (pose) query.set("view", pose.map((number) => Number(number.toFixed(DIGITS))).join(","));
+  if (field && field !== "pieces") query.set("field", field);
+  for (const [key, name] of Object.entries(look)) if (name) query.set(key, name);
   const url = new URL(location.href);
   url.hash = "";
   url.search = query;
   return url.href;
 }
 
-/** `state()` gives `{ sample, isChanged, name, method, specs, values, opened }` of the document. */
+/** `state()` gives `{ sample, isChanged, name, method, specs, values, opened, pose, field, look }` of the document. */
 export function shareButton(state) {
   const panel = byId("share-pop");
   const [title, field, note] = panel.children;
   popover(byId("share"), panel, {
     async opened() {
       const now = state();
-      field.value = address(now);
+      const link = address(now);
+      const isLong = link.length > MOST_BYTES;
+      field.hidden = isLong;
+      if (isLong) {
+        title.textContent = "Too much for a link";
+        note.textContent = "So many settings make a link longer than mail and hosts let pass. Send the project instead: Export › Project (JSON).";
+        return;
+      }
+      field.value = link;
       field.focus();
       field.setSelectionRange(0, field.value.length, "backward");
       title.textContent = "Link to this setting";

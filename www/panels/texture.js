@@ -95,6 +95,18 @@ export function textureTool(views, host, on) {
 
   return {
     take,
+    /** The texture and how charts that overlap are drawn, for a link: `image` cannot travel. */
+    chosen: () => ({ texture: isKept(shown) || shown === "none" ? shown : null, atlas: atlas.value }),
+    /** Shows what a link asks for, as long as nobody chooses; names that there are none of change nothing. */
+    ask(asked) {
+      if (asked.texture === "none" || isKept(asked.texture)) shown = asked.texture;
+      if (isKept(shown)) last = shown;
+      if (isMode(asked.atlas)) {
+        atlas.value = asked.atlas;
+        views.setLayers(atlas.value);
+      }
+      apply();
+    },
     /** Takes a scene: how overlapping charts are drawn can be chosen where it has any. */
     scene(scene) {
       byId("atlas-choice").hidden = !scene?.layers;

@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! index.html
+//! sw.js                       keeps the page on the computer of who opens it; beside it, because it reaches no higher
 //! cutflow-0123456789abcdef/   all of www/, named after its contents
 //! ```
 //!
-//! All links are relative, so the folder works from any path. The one file whose name stays is `index.html`; all others
-//! change their address whenever anything changes, so no browser ever mixes two versions and a host may let them be
+//! All links are relative, so the folder works from any path. The files whose names stay are `index.html` and `sw.js`; all
+//! others change their address whenever anything changes, so no browser ever mixes two versions and a host may let them be
 //! cached for ever. One name for all of them rather than one each: the modules find each other by relative paths, and
 //! none has to be rewritten.
 
@@ -19,6 +20,9 @@ use crate::build::{Profile, build};
 use crate::{project, sizes};
 
 const PREFIX: &str = "cutflow-";
+
+/// The service worker.
+const WORKER: &str = "sw.js";
 
 pub fn dist(out: Option<&str>) -> Result<()> {
     build(Profile::Dist)?;
@@ -41,6 +45,15 @@ pub fn assemble(out: &Path) -> Result<PathBuf> {
     let page =
         fs::read_to_string(&page).with_context(|| format!("could not read {}", page.display()))?;
     let page = relinked(&page, &name)?;
+    let names: Vec<String> = files
+        .iter()
+        .filter_map(|file| file.strip_prefix(&www).ok())
+        .map(|file| format!("{name}/{}", file.to_string_lossy().replace('\\', "/")))
+        .collect();
+    let worker = project::root().join(WORKER);
+    let worker = fs::read_to_string(&worker)
+        .with_context(|| format!("could not read {}", worker.display()))?;
+    let worker = versioned(&worker, &name, &names)?;
 
     remove_last(out)?;
     for file in &files {
@@ -49,6 +62,7 @@ pub fn assemble(out: &Path) -> Result<PathBuf> {
         fs::copy(file, &copy).with_context(|| format!("could not write {}", copy.display()))?;
     }
     fs::write(out.join("index.html"), page)?;
+    fs::write(out.join(WORKER), worker)?;
     Ok(out.join(name))
 }
 
@@ -95,9 +109,36 @@ fn relinked(page: &str, name: &str) -> Result<String> {
     Ok(page)
 }
 
+/// The service worker with the version that it keeps, and the files of that version.
+fn versioned(worker: &str, name: &str, files: &[String]) -> Result<String> {
+    let list: Vec<String> = files.iter().map(|file| format!("{file:?}")).collect();
+    let mut worker = worker.to_owned();
+    for (empty, full) in [
+        ("const VERSION = \"\";", format!("const VERSION = {name:?};")),
+        ("const FILES = [];", format!("const FILES = [{}];", list.join(", "))),
+    ] {
+        if worker.matches(empty).count() != 1 {
+            bail!("{WORKER} has no line `{empty}` for dist to fill in");
+        }
+        worker = worker.replace(empty, &full);
+    }
+    Ok(worker)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::relinked;
+    use super::{relinked, versioned};
+
+    #[test]
+    fn the_service_worker_is_told_its_version_and_its_files() {
+        let worker = "const VERSION = \"\";\nconst FILES = [];\n";
+        let files = ["cutflow-1/a.js".to_owned(), "cutflow-1/b.wasm".to_owned()];
+        let expected = "const VERSION = \"cutflow-1\";\nconst FILES = [\"cutflow-1/a.js\", \"cutflow-1/b.wasm\"];\n";
+        assert_eq!(versioned(worker, "cutflow-1", &files).unwrap(), expected);
+        assert!(versioned("const VERSION = \"\";", "cutflow-1", &files).is_err());
+        let own = include_str!("../../sw.js");
+        assert!(versioned(own, "cutflow-1", &files).is_ok());
+    }
 
     #[test]
     fn links_are_led_to_the_named_folder() {

@@ -10,7 +10,7 @@ const PORT: u16 = 8080;
 
 /// The page and nothing else of the project.
 pub fn page() -> Site {
-    Site::new(project::root(), &["index.html", "www"])
+    Site::new(project::root(), &["index.html", "sw.js", "www"])
 }
 
 pub fn serve(port: Option<u16>, profile: Profile) -> Result<()> {
