@@ -32,6 +32,8 @@ import { methodTabs, sheetTabs } from "./panels/tabs.js";
 import { growthPanel } from "./panels/growth.js";
 import { segmentsPanel } from "./panels/segments.js";
 import { foldTool, viewTools } from "./panels/tools.js";
+import { glossary } from "./panels/glossary.js";
+import { welcome } from "./panels/welcome.js";
 import { waiting } from "./panels/waiting.js";
 import { measure, patternIn, percent, plural } from "./format.js";
 
@@ -154,16 +156,18 @@ const growth = growthPanel({
 const feet = { Symmetry: symmetry.node, Sparsity: cones.foot, Segments: segments.node, "Flat pieces": growth.node };
 const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), feet, { lambda: cones.path });
 // While a slider is held, the engine keeps itself free for its next move.
-byId("settings").addEventListener("pointerdown", ({ target }) => {
-  if (!target.matches("input[type=range]")) return;
-  const letGo = client.hold();
-  const over = new AbortController();
-  const end = () => {
-    over.abort();
-    letGo();
-  };
-  for (const event of ["pointerup", "pointercancel", "blur"]) addEventListener(event, end, { signal: over.signal });
-});
+for (const host of [byId("settings"), byId("lesson")]) {
+  host.addEventListener("pointerdown", ({ target }) => {
+    if (!target.matches("input[type=range]")) return;
+    const letGo = client.hold();
+    const over = new AbortController();
+    const end = () => {
+      over.abort();
+      letGo();
+    };
+    for (const event of ["pointerup", "pointercancel", "blur"]) addEventListener(event, end, { signal: over.signal });
+  });
+}
 const presets = presetsPanel(
   byId("presets"),
   (id) => changing("Setting the preset", { type: "apply_preset", id }),
@@ -318,6 +322,7 @@ const handlers = {
     now.opened[event.method] ??= event.values;
     cones.specs(event.specs);
     parameters.show(event);
+    learn.parameters(event);
     workshop.parameters(event);
   },
   trades: (event) => workshop.trades(event),
@@ -441,6 +446,9 @@ const learn = learnPanel(
   {
     field: showField,
     step: takeStep,
+    reset: () => onCut({ type: "reset" }),
+    change: (id, value) => client.setParameter(id, value),
+    word: glossary().open,
     plain: (on) => views.setPlain(on),
     wires: (on) => views.setWireframe(on || byId("wireframe").getAttribute("aria-pressed") === "true"),
     layout() {
@@ -453,6 +461,7 @@ const learn = learnPanel(
   () => ({
     name: now.mesh?.name ?? "",
     step: status.step(),
+    state: status.state(),
     points: plot.points(),
     rows: now.rows,
     fields: now.fields.options,
@@ -760,6 +769,7 @@ listenToKeys({
 // Begin: pictures and solver load side by side.
 
 theme((dark) => views.setDark(dark));
+welcome();
 views.start(asked.renderer);
 
 async function begin() {
