@@ -26,7 +26,13 @@ export function glossary() {
   );
   document.body.append(dialog);
   // What is typed here is no command to the page behind.
-  dialog.addEventListener("keydown", (event) => event.stopPropagation());
+  dialog.addEventListener("keydown", (event) => {
+    event.stopPropagation();
+    // A search field would only empty itself.
+    if (event.key !== "Escape") return;
+    event.preventDefault();
+    dialog.close();
+  });
   dialog.addEventListener("click", ({ target }) => target === dialog && dialog.close());
 
   function filter() {

@@ -13,8 +13,9 @@ const THUMBNAIL_PX = 48;
 const COPY_MS = 250;
 /** States in which another step changes nothing. */
 const ENDS = ["converged", "stalled"];
-/** In a lecture type is as large as a stage lets it be: the first of these sizes, in per cent, at which it is seen whole. */
-const SIZES = [100, 92, 85, 78, 72, 66, 60, 55];
+/** In a lecture type is as large as a stage lets it be: the first of these sizes, in per cent, at which it is seen whole. Before type
+ * becomes small, the numbers are left out. */
+const SIZES = { full: [100, 92, 85, 80], bare: [92, 85, 80, 75, 70, 65, 60] };
 
 /**
  * @param on `field(id)` shows a field, `step()` takes one step, `reset()` goes back to the start, `change(id, value)` sets a parameter,
@@ -131,9 +132,12 @@ export function learnPanel(on, facts) {
   /** In a lecture a stage is seen whole: nobody scrolls a projector. */
   function fit() {
     if (panel.hidden || !("lecture" in root.dataset)) return;
-    for (const size of SIZES) {
-      lesson.style.setProperty("--fit", size / 100);
-      if (lesson.scrollHeight <= lesson.clientHeight) return;
+    for (const [amount, sizes] of Object.entries(SIZES)) {
+      lesson.dataset.amount = amount;
+      for (const size of sizes) {
+        lesson.style.setProperty("--fit", size / 100);
+        if (lesson.scrollHeight <= lesson.clientHeight && lesson.scrollWidth <= lesson.clientWidth) return;
+      }
     }
   }
 
