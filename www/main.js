@@ -45,7 +45,7 @@ const WORDS = {
     learn: "One step of the cut flow",
     sheet: { energy: "Energy", pieces: "Pieces" },
     empty: "uncut",
-    hide: ["Hide seams from here", "Hide seams from here: cuts shall cost more wherever this view sees them"],
+    hide: ["Hide seams from here", "Hide seams from here: makes cuts cost more wherever this view sees them"],
     hidden: ["penalty", "Cuts now cost more where this view sees them: the penalty η that is shown. Run moves them out of sight."],
   },
   cones: {
@@ -53,7 +53,7 @@ const WORDS = {
     learn: "How the cones are found",
     sheet: { energy: "Distortion", pieces: "Cones" },
     empty: "unsolved",
-    hide: ["Hide cones from here", "Hide cones from here: they shall cost more wherever this view sees them"],
+    hide: ["Hide cones from here", "Hide cones from here: makes cones cost more wherever this view sees them"],
     hidden: ["cone_cost", "Cones now cost more where this view sees them: the cost that is shown."],
   },
   phasefield: {
@@ -70,7 +70,7 @@ const WORDS = {
     sheet: { energy: "Seam", pieces: "Pieces" },
     plot: "Seam, √A",
     empty: "undivided",
-    hide: ["Hide seams from here", "Hide seams from here: seams shall cost more wherever this view sees them"],
+    hide: ["Hide seams from here", "Hide seams from here: makes seams cost more wherever this view sees them"],
     hidden: ["penalty", "Seams now cost more where this view sees them. Reset and Run find others."],
   },
 };
@@ -540,9 +540,9 @@ function showFaults(ids, patch) {
 function sayHint() {
   const text = byId("hint").querySelector("span");
   if (!text) return;
-  if (brush.isOn()) text.textContent = "Drag paints, beside the surface it turns · ";
-  else if (cones.tool.isOn()) text.textContent = "Click adds a cone, drag turns · ";
-  else text.textContent = now.method === "cones" ? "Drag turns, on a cone it moves it · " : "Drag to turn · ";
+  if (brush.isOn()) text.textContent = "Drag to paint, beside the surface to turn · ";
+  else if (cones.tool.isOn()) text.textContent = "Click to add a cone, drag to turn · ";
+  else text.textContent = now.method === "cones" ? "Drag to turn, or to move a cone · " : "Drag to turn · ";
 }
 
 async function takeStep() {
