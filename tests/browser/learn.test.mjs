@@ -128,8 +128,11 @@ describe("Learn", { timeout: 600_000 }, () => {
     const [command] = await page.until("it is sent", () => browser.page.evaluate(() => window.sent.filter(({ type }) => type === "set_parameter")), (list) => list.length > 0);
     assert.ok(command.id === "length" && command.value > 3, JSON.stringify(command));
     await page.until("the panel has it too", () => number("Cut length", panel).inputValue(), (text) => Number(text) === Number(command.value.toPrecision(3)));
+    // Changes of one parameter in a row are one step of the history.
     await button("Undo").click();
-    await page.until("Undo brings it back", () => number("Cut length", here).inputValue(), (text) => text === "3.00");
+    await page.until("Undo is seen here", () => number("Cut length", here).inputValue(), (text) => text === "2.00");
+    await number("Cut length slider", here).press("ArrowRight");
+    await page.until("the panel follows", () => number("Cut length", panel).inputValue(), (text) => Number(text) > 2);
     await button("Reset Cut length to 2.00", lesson()).click();
     await page.until("the dot brings its default back", () => number("Cut length", panel).inputValue(), (text) => text === "2.00");
     await button("Close Learn").click();
