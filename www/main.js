@@ -38,6 +38,8 @@ import { methodTabs, sheetTabs } from "./panels/tabs.js";
 import { growthPanel } from "./panels/growth.js";
 import { segmentsPanel } from "./panels/segments.js";
 import { foldTool, viewTools } from "./panels/tools.js";
+import { glossary } from "./panels/glossary.js";
+import { welcome } from "./panels/welcome.js";
 import { waiting } from "./panels/waiting.js";
 import { measure, patternIn, percent, plural } from "./format.js";
 
@@ -49,7 +51,7 @@ const WORDS = {
     learn: "One step of the cut flow",
     sheet: { energy: "Energy", pieces: "Pieces" },
     empty: "uncut",
-    hide: ["Hide seams from here", "Hide seams from here: cuts shall cost more wherever this view sees them"],
+    hide: ["Hide seams from here", "Hide seams from here: makes cuts cost more wherever this view sees them"],
     hidden: ["penalty", "Cuts now cost more where this view sees them: the penalty η that is shown. Run moves them out of sight."],
   },
   cones: {
@@ -57,7 +59,7 @@ const WORDS = {
     learn: "How the cones are found",
     sheet: { energy: "Distortion", pieces: "Cones" },
     empty: "unsolved",
-    hide: ["Hide cones from here", "Hide cones from here: they shall cost more wherever this view sees them"],
+    hide: ["Hide cones from here", "Hide cones from here: makes cones cost more wherever this view sees them"],
     hidden: ["cone_cost", "Cones now cost more where this view sees them: the cost that is shown."],
   },
   phasefield: {
@@ -74,7 +76,7 @@ const WORDS = {
     sheet: { energy: "Seam", pieces: "Pieces" },
     plot: "Seam, √A",
     empty: "undivided",
-    hide: ["Hide seams from here", "Hide seams from here: seams shall cost more wherever this view sees them"],
+    hide: ["Hide seams from here", "Hide seams from here: makes seams cost more wherever this view sees them"],
     hidden: ["penalty", "Seams now cost more where this view sees them. Reset and Run find others."],
   },
 };
@@ -160,16 +162,18 @@ const growth = growthPanel({
 const feet = { Symmetry: symmetry.node, Sparsity: cones.foot, Segments: segments.node, "Flat pieces": growth.node };
 const parameters = parametersPanel(byId("settings"), (id, value) => client.setParameter(id, value), feet, { lambda: cones.path });
 // While a slider is held, the engine keeps itself free for its next move.
-byId("settings").addEventListener("pointerdown", ({ target }) => {
-  if (!target.matches("input[type=range]")) return;
-  const letGo = client.hold();
-  const over = new AbortController();
-  const end = () => {
-    over.abort();
-    letGo();
-  };
-  for (const event of ["pointerup", "pointercancel", "blur"]) addEventListener(event, end, { signal: over.signal });
-});
+for (const host of [byId("settings"), byId("lesson")]) {
+  host.addEventListener("pointerdown", ({ target }) => {
+    if (!target.matches("input[type=range]")) return;
+    const letGo = client.hold();
+    const over = new AbortController();
+    const end = () => {
+      over.abort();
+      letGo();
+    };
+    for (const event of ["pointerup", "pointercancel", "blur"]) addEventListener(event, end, { signal: over.signal });
+  });
+}
 const presets = presetsPanel(
   byId("presets"),
   (id) => changing("Setting the preset", { type: "apply_preset", id }),
@@ -339,6 +343,7 @@ const handlers = {
     now.opened[event.method] ??= event.values;
     cones.specs(event.specs);
     parameters.show(event);
+    learn.parameters(event);
     workshop.parameters(event);
   },
   trades: (event) => workshop.trades(event),
@@ -475,6 +480,9 @@ const learn = learnPanel(
   {
     field: showField,
     step: takeStep,
+    reset: () => onCut({ type: "reset" }),
+    change: (id, value) => client.setParameter(id, value),
+    word: glossary().open,
     plain: (on) => views.setPlain(on),
     wires: (on) => views.setWireframe(on || byId("wireframe").getAttribute("aria-pressed") === "true"),
     layout() {
@@ -487,6 +495,7 @@ const learn = learnPanel(
   () => ({
     name: now.mesh?.name ?? "",
     step: status.step(),
+    state: status.state(),
     points: plot.points(),
     rows: now.rows,
     fields: now.fields.options,
@@ -565,9 +574,9 @@ function showFaults(ids, patch) {
 function sayHint() {
   const text = byId("hint").querySelector("span");
   if (!text) return;
-  if (brush.isOn()) text.textContent = "Drag paints, beside the surface it turns · ";
-  else if (cones.tool.isOn()) text.textContent = "Click adds a cone, drag turns · ";
-  else text.textContent = now.method === "cones" ? "Drag turns, on a cone it moves it · " : "Drag to turn · ";
+  if (brush.isOn()) text.textContent = "Drag to paint, beside the surface to turn · ";
+  else if (cones.tool.isOn()) text.textContent = "Click to add a cone, drag to turn · ";
+  else text.textContent = now.method === "cones" ? "Drag to turn, or to move a cone · " : "Drag to turn · ";
 }
 
 async function takeStep() {
@@ -798,6 +807,7 @@ listenToKeys({
 // Begin: pictures and solver load side by side.
 
 theme((dark) => views.setDark(dark));
+welcome();
 views.start(asked.renderer);
 
 async function begin() {

@@ -130,7 +130,7 @@ impl Session {
             Brought::Eye(place) => {
                 if !place.iter().all(|x| x.is_finite()) {
                     return Err(Problem::new(
-                        "The place to hide from is nowhere.",
+                        "The place to hide from is not a point.",
                         "Hide seams from a place.",
                         "Give three finite numbers in units of the file.",
                     ));

@@ -46,7 +46,7 @@ fn refused(name: &str, what: String) -> Problem {
 fn parse(surface: &Surface, name: &str, bytes: &[u8]) -> Result<(CutFile, Vec<u32>), Problem> {
     let wrong = |what: String| refused(name, what);
     let file: CutFile = serde_json::from_slice(bytes)
-        .map_err(|error| wrong(format!("This is no cut file: {error}.")))?;
+        .map_err(|error| wrong(format!("This is not a cut file: {error}.")))?;
     if file.cutflow_cut != 1 {
         return Err(Problem::new(
             format!("The cut file has version {}; version 1 is understood.", file.cutflow_cut),

@@ -119,7 +119,7 @@ fn numbers(stages: &Stages) -> Vec<StageNumbers> {
         stage("velocity", speeds),
         stage(
             "extension",
-            vec![number("Largest speed", largest(&mut stages.extension.iter().copied()), "")],
+            vec![number("Largest velocity", largest(&mut stages.extension.iter().copied()), "")],
         ),
         stage(
             "moved",

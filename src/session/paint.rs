@@ -60,7 +60,7 @@ const CONE_CHANNELS: [[&str; 4]; 5] = [
         "cone_cost",
         "Dear cones",
         "amount",
-        "Cones are dearer where it is painted: they go elsewhere if they can.",
+        "Cones cost more where it is painted: they go elsewhere if they can.",
     ],
     ["excluded", "No cones", "amount", "There are no cones where it is painted."],
     [

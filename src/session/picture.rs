@@ -65,7 +65,7 @@ pub fn fields(method: Method) -> Vec<Choice> {
     if method == Method::Developable {
         return vec![
             Choice::new("pieces", "Pieces"),
-            Choice::new("normal_error", "Distance from the chart’s normal"),
+            Choice::new("normal_error", "Distance from the piece’s normal"),
             Choice::new("curvature", "Curvature K"),
             Choice::new("area", "Area distortion"),
             Choice::new("angle", "Angle distortion"),
@@ -89,8 +89,8 @@ pub fn fields(method: Method) -> Vec<Choice> {
         Choice::new("regions", "Painted regions"),
         Choice::new("adjoint", "Adjoint p"),
         Choice::new("flux", "Flux ∂u/∂n"),
-        Choice::new("velocity", "Speed of the cut"),
-        Choice::new("extension", "Speed, extended"),
+        Choice::new("velocity", "Velocity of the cut"),
+        Choice::new("extension", "Velocity, extended"),
         Choice::new("level", "Level set φ"),
         Choice::new("moved", "Level set, moved"),
         Choice::new("redistanced", "Level set, redistanced"),

@@ -324,7 +324,7 @@ impl Session {
         let (soup, note) = preparation.finish(report.status);
         if soup.positions == work.document.soup.positions {
             return Err(Problem::new(
-                "The tool changed nothing: the mesh is as it should become already.",
+                "The tool changed nothing: the mesh is already as asked for.",
                 format!("{}.", work.document.name),
                 note.unwrap_or("Choose other parameters."),
             ));

@@ -261,7 +261,8 @@ impl Session {
         struct Head {
             cutflow_project: u32,
         }
-        let broken = |error| refused(name, format!("This is no whole project file: {error}."));
+        let broken =
+            |error| refused(name, format!("This is not a complete project file: {error}."));
         let head: Head = serde_json::from_slice(bytes).map_err(broken)?;
         if head.cutflow_project > VERSION {
             return Err(Problem::new(

@@ -172,7 +172,7 @@ impl Problem {
             SolveError::Linalg(LinalgError::NotPositiveDefinite { .. }) => Self::new(
                 "The distortion cannot be computed: the surface is too degenerate.",
                 format!("{name}, along the cut."),
-                "Remesh the surface with evener triangles and open it again.",
+                "Remesh the surface with more even triangles and open it again.",
             ),
             SolveError::Linalg(LinalgError::OutOfMemory { size }) => Self::new(
                 format!("There is not enough memory to solve with {size} unknowns."),
@@ -209,7 +209,7 @@ impl Problem {
             SolveError::NotFinite => Self::new(
                 "The energy of the cut is not a finite number.",
                 format!("{name}."),
-                "Remesh the surface with evener triangles and open it again.",
+                "Remesh the surface with more even triangles and open it again.",
             ),
         }
     }

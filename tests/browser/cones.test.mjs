@@ -296,22 +296,6 @@ for (const renderer of RENDERERS) {
       await page.until("the cones are back", rest, (now) => now === count);
     });
 
-    it("explains itself in stages, each with its formula", async () => {
-      await rest();
-      await button("Learn").click();
-      const lesson = browser.page.locator("#lesson");
-      const stages = await browser.page.locator("#stages button").count();
-      assert.ok(stages >= 5, `${stages} stages`);
-      for (let i = 0; i < stages; i += 1) {
-        await page.until(`stage ${i + 1}`, () => lesson.textContent(), (text) => text.startsWith(`Stage ${i + 1} of ${stages}`));
-        assert.equal(await lesson.locator("math.key").count(), 1);
-        assert.ok((await lesson.locator("table tr").count()) > 0);
-        if (i + 1 < stages) await lesson.locator(".nav .primary").press("Enter");
-      }
-      await screenshot(browser.page, `cones-learn-${renderer.name}`);
-      await browser.page.keyboard.press("Escape");
-    });
-
     it("fits a phone", async () => {
       await browser.page.setViewportSize({ width: 390, height: 844 });
       await browser.page.getByRole("tab", { name: "Distortion", exact: true }).waitFor();

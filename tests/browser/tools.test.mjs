@@ -1,5 +1,5 @@
-// What a person steers the cut with: presets, single parameters, the brush, symmetries, hidden seams, the fold preview;
-// and Learn, which explains it. Under one backend: what is drawn is compared in page.test.mjs.
+// What a person steers the cut with: presets, single parameters, the brush, symmetries, hidden seams, the fold preview.
+// Under one backend: what is drawn is compared in page.test.mjs.
 
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
@@ -16,18 +16,6 @@ const CROOKED = {
   ...MESH,
   vertices: MESH.vertices.map(([x, y, z]) => [x + 0.25 * x * x + 0.3 * y * z, 0.7 * y + 0.3 * x * y + 0.25 * z * z, 0.5 * z + 0.35 * x * y + 0.2 * y * y * x]),
 };
-const STAGES = [
-  ["Curvature K", "curvature"],
-  ["Cut mesh", "pieces"],
-  ["Scale factor u", "u"],
-  ["Flux ∂u/∂n", "flux"],
-  ["Velocity v", "velocity"],
-  ["Extended velocity", "extension"],
-  ["New φ", "moved"],
-  ["Redistanced φ", "redistanced"],
-  ["New cut, energy check", "pieces"],
-];
-
 const [renderer] = RENDERERS;
 
 describe("steering the cut", { timeout: 600_000 }, () => {
@@ -260,28 +248,6 @@ describe("steering the cut", { timeout: 600_000 }, () => {
     await page.until("the legend from before", () => legend.textContent(), (text) => !text.includes("Folded"));
   });
 
-  it("explains a step in nine stages, each with its formula and its field", async (t) => {
-    await page.press("Step");
-    await page.status(/^Paused at step 1\b/);
-    const kept = await overlay();
-    await button("Learn").click();
-    const lesson = browser.page.locator("#lesson");
-    for (const [i, [title, field]] of STAGES.entries()) {
-      await page.until(`stage ${i + 1}`, () => lesson.textContent(), (text) => text.startsWith(`Stage ${i + 1} of ${STAGES.length}`));
-      assert.match(await browser.page.locator("#stages [aria-current=step]").textContent(), new RegExp(title.replace("/", ".")));
-      assert.ok((await lesson.locator("math.key").count()) === 1, `${title} has its formula`);
-      const isOffered = (await browser.page.locator(`.surface select.overlay option[value="${field}"]`).count()) > 0;
-      if (isOffered) {
-        await page.until(`the field of ${title}`, overlay, (id) => id === field);
-        await page.until(`the numbers of ${title}`, () => lesson.locator("table tr").count(), (count) => count > 0);
-      } else t.diagnostic(`the engine offers no field for ${title}`);
-      await screenshot(browser.page, `learn-${i + 1}`);
-      if (i + 1 < STAGES.length) await lesson.locator(".nav .primary").press("Enter");
-    }
-    await browser.page.keyboard.press("Escape");
-    await page.until("the overlay from before", overlay, (id) => id === kept);
-  });
-
   for (const width of [390, 360]) {
     it(`fits a phone of ${width} pixels with all tools out`, async () => {
       await browser.page.setViewportSize({ width, height: 780 });
@@ -295,11 +261,6 @@ describe("steering the cut", { timeout: 600_000 }, () => {
       await screenshot(browser.page, `tools-phone-${width}`);
       const excess = () => browser.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
       assert.equal(await excess(), 0, "the page scrolls sideways");
-      await button("Learn").click();
-      await browser.page.waitForTimeout(300);
-      await screenshot(browser.page, `learn-phone-${width}`);
-      assert.equal(await excess(), 0, "Learn scrolls sideways");
-      await button("Close Learn").click();
     });
   }
 

@@ -290,18 +290,6 @@ describe("what stands over the views", { timeout: 600_000 }, () => {
     assert.doesNotMatch(text, /log/);
   });
 
-  it("has stages in Learn that look as if they could be chosen, before they were", async () => {
-    await page.press("Learn");
-    await browser.page.waitForTimeout(500);
-    for (const theme of ["light", "dark"]) {
-      await browser.page.emulateMedia({ colorScheme: theme });
-      const ratios = await browser.page.evaluate(contrasts);
-      // Three to one for shapes, four and a half for text: the figures of WCAG 2.
-      for (const { text, eye } of ratios) assert.ok(text >= 4.5 && eye >= 3, `${theme}: text ${text.toFixed(1)}, picture ${eye.toFixed(1)}`);
-    }
-    await page.press("Close Learn");
-  });
-
   it("has nothing to complain of in the browser's console", () => {
     assert.deepEqual(browser.troubles, []);
   });
@@ -325,28 +313,4 @@ function overlapping() {
     if (isText && (node.scrollWidth > node.clientWidth + 1 || node.scrollHeight > node.clientHeight + 1)) problems.push(`${name} is cut off`);
   });
   return problems;
-}
-
-/** Runs in the page: contrast of the texts and the pictures of Learn's stages with what lies behind them. */
-function contrasts() {
-  const paint = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
-  const luminance = (colours) => {
-    paint.clearRect(0, 0, 1, 1);
-    for (const colour of colours) {
-      paint.fillStyle = colour;
-      paint.fillRect(0, 0, 1, 1);
-    }
-    const [r, g, b] = [...paint.getImageData(0, 0, 1, 1).data].map((x) => (x / 255 <= 0.04045 ? x / 255 / 12.92 : ((x / 255 + 0.055) / 1.055) ** 2.4));
-    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
-  };
-  const ratio = (front, back) => {
-    const [a, b] = [luminance(front), luminance(back)].sort((x, y) => y - x);
-    return (a + 0.05) / (b + 0.05);
-  };
-  const ground = getComputedStyle(document.body).backgroundColor;
-  const behind = (node) => [ground, getComputedStyle(node).backgroundColor];
-  return [...document.querySelectorAll("#stages li:not([aria-current]) button")].map((button) => ({
-    text: ratio([getComputedStyle(button.querySelector("span")).color], behind(button)),
-    eye: ratio([getComputedStyle(button.querySelector(".thumb")).color], behind(button.querySelector(".thumb"))),
-  }));
 }

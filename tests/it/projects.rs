@@ -92,7 +92,7 @@ fn projects_that_cannot_be_read_are_refused_in_three_parts_and_lose_nothing() {
         ("{\"cutflow_project\": 99, \"mesh\": 7}", "newer"),
         ("{\"cutflow_project\": 1, \"mesh\": {\"name\": \"x.obj\"}}", "holds no mesh"),
         ("{\"cutflow_project\": 1, \"mesh\": {\"name\": \"x\", \"sample\": \"moon\"}}", "moon"),
-        ("{\"cutflow_project\": 1,", "no whole project"),
+        ("{\"cutflow_project\": 1,", "not a complete project"),
     ] {
         let events = session.open("p.json", text.as_bytes());
         let told = events.iter().find_map(|event| match event {

@@ -117,7 +117,7 @@ export function brushPanel(views, on, facts) {
 
   function explain() {
     const isPlace = channel?.kind === "place";
-    write(hint, placesCircle ? "Click where the circle shall be" : isPlace ? "Click on the surface" : "");
+    write(hint, placesCircle ? "Click where the circle is to be" : isPlace ? "Click on the surface" : "");
     for (const [node, isShown] of [
       [swatches, !placesCircle && channel?.kind === "label"],
       [sizeSlider.node, !placesCircle && !isPlace],

@@ -22,7 +22,7 @@ export function coneTool(on) {
   });
   host.append(
     h("label", { class: "newangle" }, h("span", {}, "Angle"), angle, h("span", {}, "π")),
-    h("span", { class: "say" }, "Click where a cone shall be; Enter adds it in the middle"),
+    h("span", { class: "say" }, "Click where a cone is to be; Enter adds one in the middle"),
   );
   button.addEventListener("click", () => (isOn ? put() : hold()));
 

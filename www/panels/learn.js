@@ -4,17 +4,24 @@
 import { byId, h, icon, roving, write } from "../dom.js";
 import { wordsOf } from "../fields.js";
 import { fixed, measure, short } from "../format.js";
+import { linkWords } from "./glossary.js";
+import { papersOf, player, stageParameters } from "./learn-parts.js";
 
 /** Longer side of a stage's little picture, in CSS pixels. */
 const THUMBNAIL_PX = 48;
 /** While the surface is turned its little picture follows at this pace. */
 const COPY_MS = 250;
+/** States in which another step changes nothing. */
+const ENDS = ["converged", "stalled"];
+/** In a lecture type is as large as a stage lets it be: the first of these sizes, in per cent, at which it is seen whole. Before type
+ * becomes small, the numbers are left out. */
+const SIZES = { full: [100, 92, 85, 80], bare: [92, 85, 80, 75, 70, 65, 60] };
 
 /**
- * @param on `field(id)` shows a field, `step()` takes one step, `wires(isOn)` shows the triangles, `plain(isOn)` leaves the
- * texture out, `layout()` before
- * the page is rearranged, `picture(canvas)` copies the surface as it is drawn now
- * @param facts gives `{ name, step, points, rows, fields, current, field, scene, stages, figures }` as known now: `figures` are
+ * @param on `field(id)` shows a field, `step()` takes one step, `reset()` goes back to the start, `change(id, value)` sets a parameter,
+ * `word(name)` opens the glossary, `wires(isOn)` shows the triangles, `plain(isOn)` leaves the texture out, `layout()` before the page is
+ * rearranged, `picture(canvas)` copies the surface as it is drawn now
+ * @param facts gives `{ name, step, state, points, rows, fields, current, field, scene, stages, figures }` as known now: `figures` are
  * `[name, text]` of the method as a whole, for stages that ask for them with `data-figures`
  */
 export function learnPanel(on, facts) {
@@ -26,19 +33,21 @@ export function learnPanel(on, facts) {
   let lessons = [];
   let thumbnails = [];
   let buttons = [];
+  let method = "cutflow";
   let at = 0;
   let before = null;
   /** The scene that was copied last, and when. */
   let copied = { scene: null, at: 0 };
 
   /** The stages of a method. */
-  function build(method, title) {
+  function build(id, title) {
+    method = id;
     at = 0;
     write(byId("learn-title"), title);
     lessons = all.filter(({ dataset }) => (dataset.method ?? "cutflow") === method);
     thumbnails = lessons.map(() => h("canvas", { width: 2 * THUMBNAIL_PX, height: 2 * THUMBNAIL_PX, "aria-hidden": "true" }));
     buttons = lessons.map(({ dataset: { title, brief } }, i) =>
-      h("button", { onclick: () => go(i) }, h("i", { class: "thumb" }, icon("eye"), thumbnails[i]), h("b", {}, `${i + 1}\u2002${title}`), h("span", {}, brief)),
+      h("button", { onclick: () => byHand(i) }, h("i", { class: "thumb" }, icon("eye"), thumbnails[i]), h("b", {}, `${i + 1}\u2002${title}`), h("span", {}, brief)),
     );
     list.replaceChildren(...buttons.map((button) => h("li", {}, button)));
   }
@@ -46,10 +55,40 @@ export function learnPanel(on, facts) {
   roving(list, "button");
   byId("learn").addEventListener("click", () => (panel.hidden ? open() : close()));
   byId("learn-close").addEventListener("click", close);
-  byId("learn-once").addEventListener("click", on.step);
+  const [once, again, end, play, lecture] = ["learn-once", "learn-reset", "learn-end", "learn-play", "lecture"].map(byId);
+  once.addEventListener("click", on.step);
+  again.addEventListener("click", on.reset);
+  byId("learn-words").addEventListener("click", () => on.word());
+  lecture.addEventListener("click", () => lecturing(!("lecture" in root.dataset)));
   panel.addEventListener("keydown", (event) => {
-    if (event.key === "Escape") close();
+    if (event.key !== "Escape") return;
+    if ("lecture" in root.dataset) lecturing(false);
+    else close();
   });
+  // Presenters turn pages with keys of their own.
+  addEventListener("keydown", (event) => {
+    const way = { ArrowLeft: -1, PageUp: -1, ArrowRight: 1, PageDown: 1 }[event.key];
+    const isBusy = event.defaultPrevented || event.altKey || event.ctrlKey || event.metaKey || event.target.closest("input, select, textarea, [role=tab], dialog");
+    if (!way || panel.hidden || isBusy) return;
+    event.preventDefault();
+    if (lessons[at + way]) byHand(at + way);
+  });
+
+  const parameters = stageParameters(on.change);
+  const playing = player({
+    next() {
+      go((at + 1) % lessons.length);
+      return at + 1 < lessons.length;
+    },
+    text: () => lesson.textContent,
+    changed(isOn) {
+      play.setAttribute("aria-pressed", String(isOn));
+      play.querySelector("use").setAttribute("href", `#i-${isOn ? "pause" : "run"}`);
+    },
+  });
+  play.addEventListener("click", playing.press);
+  lesson.addEventListener("input", playing.stop);
+  new ResizeObserver(fit).observe(lesson);
 
   const numbers = h("table", {}, h("caption", {}, "On your surface"), h("tbody"));
   const missing = h("p", { class: "fine" }, "This surface shows its pieces here: the field of this stage is not at hand.");
@@ -67,6 +106,10 @@ export function learnPanel(on, facts) {
     if (panel.hidden) return;
     panel.hidden = true;
     delete root.dataset.learn;
+    playing.stop();
+    lecturing(false);
+    // Its controls have the names of those among the parameters.
+    lesson.replaceChildren();
     on.wires(false);
     on.plain(false);
     if (before !== null) on.field(before);
@@ -79,6 +122,32 @@ export function learnPanel(on, facts) {
     return lessons[i].dataset.fields.split(" ").find((id) => offered.includes(id));
   }
 
+  function lecturing(isOn) {
+    if (isOn) root.dataset.lecture = "";
+    else delete root.dataset.lecture;
+    lecture.setAttribute("aria-pressed", String(isOn));
+    fit();
+  }
+
+  /** In a lecture a stage is seen whole: nobody scrolls a projector. */
+  function fit() {
+    if (panel.hidden || !("lecture" in root.dataset)) return;
+    for (const [amount, sizes] of Object.entries(SIZES)) {
+      lesson.dataset.amount = amount;
+      for (const size of sizes) {
+        lesson.style.setProperty("--fit", size / 100);
+        if (lesson.scrollHeight <= lesson.clientHeight && lesson.scrollWidth <= lesson.clientWidth) return;
+      }
+    }
+  }
+
+  /** Turns to a stage, and leaves the turning to whoever did that. */
+  function byHand(i) {
+    playing.stop();
+    if (lesson.contains(document.activeElement)) turnTo(i);
+    else go(i);
+  }
+
   function go(i) {
     at = i;
     buttons.forEach((button, k) => {
@@ -87,11 +156,12 @@ export function learnPanel(on, facts) {
     });
     buttons[i].parentElement.scrollIntoView({ block: "nearest", inline: "center" });
     const content = document.importNode(lessons[i], true);
+    linkWords(content, on.word);
     const other = (k, name) =>
       lessons[k]
         ? h(
             "button",
-            { class: k > i ? "btn primary" : "btn", onclick: () => turnTo(k) },
+            { class: k > i ? "btn primary" : "btn", onclick: () => byHand(k) },
             k < i ? icon(name) : null,
             lessons[k].dataset.title,
             k > i ? icon(name) : null,
@@ -101,16 +171,20 @@ export function learnPanel(on, facts) {
     lesson.replaceChildren(
       h("p", { class: "muted" }, `Stage ${i + 1} of ${lessons.length}`),
       ...content.children,
+      parameters.node,
       numbers,
       missing,
+      papersOf(method),
       h("p", { class: "nav" }, other(i - 1, "prev"), h("span", { class: "grow" }), other(i + 1, "next")),
     );
+    parameters.build(lessons[i].dataset.parameters?.split(" ") ?? []);
     lesson.scrollTop = 0;
     on.wires("wires" in lessons[i].dataset);
     // Its own colours are what a field has to show here.
     on.plain((fieldOf(i) ?? "pieces") !== "pieces");
     on.field(fieldOf(i) ?? "pieces");
     update();
+    fit();
   }
 
   /** The button that was pressed is gone: the focus goes on at its heir. */
@@ -118,7 +192,8 @@ export function learnPanel(on, facts) {
     const isNext = i > at;
     go(i);
     const nav = [...lesson.querySelectorAll(".nav button")];
-    (isNext ? nav.at(-1) : nav[0])?.focus({ preventScroll: true });
+    const heir = isNext ? nav.at(-1) : nav[0];
+    (heir?.checkVisibility() ? heir : byId("learn-title")).focus({ preventScroll: true });
   }
 
   /** What the engine tells of the stage, else what its field and the energy tell. */
@@ -152,8 +227,10 @@ export function learnPanel(on, facts) {
     if (panel.hidden) return;
     const now = facts();
     write(byId("learn-step"), `Step ${now.step} on ${now.name}`);
+    showEnd(ENDS.includes(now.state));
     const body = numbers.querySelector("tbody");
     const rows = rowsOf(now);
+    const isOther = body.childElementCount !== rows.length;
     while (body.childElementCount > rows.length) body.lastElementChild.remove();
     rows.forEach(([name, value], i) => {
       if (!body.children[i]) body.append(h("tr", {}, h("th", { scope: "row" }), h("td")));
@@ -161,10 +238,22 @@ export function learnPanel(on, facts) {
       write(body.children[i].children[1], value);
     });
     numbers.hidden = rows.length === 0;
+    if (isOther) fit();
+  }
+
+  /** Where no step is left to take, Reset stands in its place. */
+  function showEnd(isOver) {
+    if (again.hidden === !isOver) return;
+    const isFocused = [once, again].includes(document.activeElement);
+    once.hidden = isOver;
+    again.hidden = end.hidden = !isOver;
+    if (isFocused) (isOver ? again : once).focus();
   }
 
   return {
     update,
+    /** Takes a `parameters` event. */
+    parameters: parameters.take,
     /** After the surface was drawn: the stage keeps a little picture of it. */
     drawn() {
       if (panel.hidden) return;
@@ -178,9 +267,9 @@ export function learnPanel(on, facts) {
     },
     close,
     /** Takes another method, and what is said over its stages. */
-    setMethod(method, title) {
+    setMethod(id, title) {
       close();
-      build(method, title);
+      build(id, title);
     },
     isOpen: () => !panel.hidden,
     /** Opens at a stage, counted from 1; the nearest one where there are fewer. */

@@ -67,6 +67,24 @@ function switchRow(spec, change) {
   return { row, show: (value) => (box.checked = value === true) };
 }
 
+/** A parameter's row: `{ spec, row, isChanged, text(value), show(values) }`; `change(value)` is called while it moves. */
+export function parameterRow(spec, change) {
+  const { show, ...entry } = { spec, isChanged: false, ...rowFor(spec, change) };
+  const dot = changedDot(spec, entry.text, change);
+  entry.row.prepend(dot);
+  entry.show = (values) => {
+    const value = values[spec.id];
+    if (spec.id in values) show(value);
+    const rule = spec.visible_if;
+    entry.row.hidden = Boolean(rule) && !rule.one_of.includes(String(values[rule.id]));
+    entry.isChanged = spec.id in values && !isDefault(spec, value);
+    // Whoever stands on the dot has pressed it: the row goes on.
+    if (!entry.isChanged && document.activeElement === dot) entry.row.querySelector("input, select, [tabindex='0']")?.focus();
+    dot.hidden = !entry.isChanged;
+  };
+  return entry;
+}
+
 function rowFor(spec, change) {
   const { kind } = spec;
   if (kind.number) return numberRow(spec, kind.number, change);
@@ -133,13 +151,7 @@ export function parametersPanel(host, change, extras = {}, companions = {}, belo
   function build() {
     const shown = specs.filter(({ group }) => belongs(group));
     rows = new Map();
-    for (const spec of shown) {
-      const set = (value) => change(spec.id, value);
-      const entry = { spec, ...rowFor(spec, set), isChanged: false };
-      entry.dot = changedDot(spec, entry.text, set);
-      entry.row.prepend(entry.dot);
-      rows.set(spec.id, entry);
-    }
+    for (const spec of shown) rows.set(spec.id, parameterRow(spec, (value) => change(spec.id, value)));
     const groups = grouped(rows.values(), (spec) => (spec.advanced ? ADVANCED : spec.group));
     for (const name of Object.keys(extras)) if (!groups.has(name)) groups.set(name, []);
     const advanced = groups.get(ADVANCED) ?? [];
@@ -181,17 +193,7 @@ export function parametersPanel(host, change, extras = {}, companions = {}, belo
         specs = event.specs;
         build();
       }
-      for (const entry of rows.values()) {
-        const { spec, row, dot, show } = entry;
-        const value = event.values[spec.id];
-        if (spec.id in event.values) show(value);
-        const rule = spec.visible_if;
-        row.hidden = Boolean(rule) && !rule.one_of.includes(String(event.values[rule.id]));
-        entry.isChanged = spec.id in event.values && !isDefault(spec, value);
-        // Whoever stands on the dot has pressed it: the row goes on.
-        if (!entry.isChanged && document.activeElement === dot) row.querySelector("input, select, [tabindex='0']")?.focus();
-        dot.hidden = !entry.isChanged;
-      }
+      for (const { show } of rows.values()) show(event.values);
       summarise();
     },
     /** After an extra was shown or hidden. */

@@ -21,7 +21,7 @@ fn sparsity() -> Vec<ParamSpec> {
             ],
             "What is given: the price of angle, or what it should lead to; the price is then found on the path of optima."),
         number("lambda", "Cone cost", "λ", "", [1e-4, 0.2, 1e-4], 0.005,
-            "Price of a radian of cone angle against ½∫u² on a surface of unit area. Smaller prices give more cones and less distortion.")
+            "Price of a radian of cone angle against ½∫u² on a surface of unit area. A smaller price gives more cones and less distortion.")
             .group(sparsity).logarithmic().only_if("choose_by", &["lambda"]),
         number("cone_count", "Cones at most", "", "", [0.0, 400.0, 1.0], 8.0,
             "The smallest price is taken that leads to no more cones than this, merged ones counted once.")
@@ -54,10 +54,10 @@ fn angles() -> Vec<ParamSpec> {
             "No cone has a larger angle; 2 π sets no bound.")
             .group(angles).only_if("bounds", &["custom"]),
         number("importance", "Painted importance", "w_E", "", [1.0, 1000.0, 0.1], 20.0,
-            "How many times distortion counts where importance is painted with the brush.")
+            "How many times as much distortion counts where importance is painted with the brush.")
             .group(angles).logarithmic(),
         number("dear_cones", "Painted cone cost", "w_R", "", [1.0, 1000.0, 0.1], 20.0,
-            "How many times dearer cones are where their cost is painted, or where they would be seen.")
+            "How many times as much cones cost where their cost is painted, or where they would be seen.")
             .group(angles).logarithmic(),
         number("feature_weight", "Feature weight", "", "", [0.0, 1.0, 0.05], 0.0,
             "Makes distortion count more, and cones cheaper, where the surface is finely shaped. 1 is the paper's choice, 0 leaves it out.")
@@ -86,7 +86,7 @@ fn surface() -> Vec<ParamSpec> {
         switch(surface, "debias", "Refit angles", false,
             "The optimum's places are kept and their angles chosen anew for least distortion, whatever angle that takes."),
         number("seam_hiding", "Hide seams", "", "", [0.0, 50.0, 0.5], 5.0,
-            "How many times its length more a seam costs where Hide is painted, or where it would be seen.")
+            "By how many times its length a seam costs more where Hide is painted, or where it would be seen.")
             .group(surface),
     ]
 }

@@ -46,7 +46,7 @@ fn phase_energy() -> Vec<ParamSpec> {
         switch(energy, "connected", "Connected segments", true,
             "Parts of a segment that fell apart are drawn together."),
         number("kappa", "Connectedness", "κ", "", [0.0, 4.0, 0.1], 2.0,
-            "How dear unconnected parts are: the penalty's weight is ε to the power −κ.")
+            "How much unconnected parts cost: the penalty's weight is ε to the power −κ.")
             .group(energy).advanced(),
         choice(energy, "screening", "Screening λ",
             &[("sharp", "1/ε² (sharper)"), ("paper", "1/ε (paper)")],
@@ -89,7 +89,7 @@ pub fn develop_specs() -> Vec<ParamSpec> {
             "Pieces are not merged where flattening would change their area by more.")
             .group(merging),
         number("stretch_limit", "Stretch at most", "L²", "", [1.01, 4.0, 0.01], 2.0,
-            "Nor where it would stretch them by more: root mean square, 1 is true length.")
+            "Pieces are not merged where flattening would stretch them by more: root mean square, 1 is true length.")
             .group(merging),
         number("patch_limit", "Largest piece", "", "%", [2.0, 100.0, 1.0], 100.0,
             "Pieces do not grow beyond this part of the surface: sheets and hides are only so large.")
@@ -105,7 +105,7 @@ pub fn develop_specs() -> Vec<ParamSpec> {
             "Afterwards each piece in turn is taken apart and its parts are merged with its neighbours: kept where that takes fewer pieces or less seam.")
             .group(merging).integer().advanced(),
         number("seam_price", "Hide seams", "", "", [0.0, 50.0, 0.5], 5.0,
-            "How many times its length more a seam costs where Hide is painted, or where it would be seen.")
+            "By how many times its length a seam costs more where Hide is painted, or where it would be seen.")
             .group(merging).advanced(),
     ]
 }
