@@ -8,6 +8,7 @@ import { listenToKeys } from "./keys.js";
 import { FLAT, SURFACE, Views } from "./views.js";
 import { alarm } from "./panels/alarm.js";
 import { brushPanel } from "./panels/brush.js";
+import { descriptions } from "./panels/describe.js";
 import { fileSources } from "./panels/drop.js";
 import { emptyState } from "./panels/empty.js";
 import { errorPanel, toast } from "./panels/error.js";
@@ -24,6 +25,7 @@ import { energyPlot } from "./panels/plot.js";
 import { presetsPanel } from "./panels/presets.js";
 import { ruler } from "./panels/ruler.js";
 import { readAddress, shareButton, valueFor } from "./panels/share.js";
+import { splitters } from "./panels/splitters.js";
 import { statusPanel } from "./panels/status.js";
 import { symmetryPanel } from "./panels/symmetry.js";
 import { textureTool } from "./panels/texture.js";
@@ -201,7 +203,18 @@ const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"
 const legend = legends(surfaceView.querySelector(".legend"), flatView.querySelector(".said"));
 const measureRuler = ruler(flatView.querySelector(".rule"));
 const danger = alarm(byId("alarm"), { reveal: showFaults, isMoving: () => status.state() === "running" });
-const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern, marked(), fold.line()));
+const describe = descriptions(() => ({
+  name: now.mesh?.name ?? "The surface",
+  marked: marked(),
+  scene: now.scene,
+  pieces: (now.scene?.patches ?? []).map((_, i) => pieces.piece(i)).filter(Boolean),
+  pattern: now.pattern,
+}));
+const updateLegends = paced(125, () => {
+  if (!now.scene) return;
+  legend.show(now.scene, now.pattern, marked(), fold.line());
+  describe();
+});
 const fold = foldTool(
   () => onPieces({ type: "fold" }),
   () => client.command({ type: "unfold" }),
@@ -760,6 +773,7 @@ listenToKeys({
 // Begin: pictures and solver load side by side.
 
 theme((dark) => views.setDark(dark));
+splitters();
 views.start(asked.renderer);
 
 async function begin() {
