@@ -48,7 +48,6 @@ export function patternPanel(on) {
   let zoom = 1;
   let shown = null;
   let url = null;
-  let isOpen = false;
 
   dialog.append(
     h("header", {}, h("h2", { id: "pattern-title" }, "Pattern"), h("span", { class: "grow" }), ...files,
@@ -168,7 +167,8 @@ export function patternPanel(on) {
   nest.addEventListener("click", () => (shown?.is_nesting ? on.pause() : on.nest()));
   new ResizeObserver(layOut).observe(sheet);
   dialog.addEventListener("close", () => {
-    isOpen = false;
+    // A busy browser tells late of it: it may have been opened again.
+    if (dialog.open) return;
     // The Mesh section has boxes of the same names.
     size.node.remove();
     on.show(false);
@@ -176,15 +176,14 @@ export function patternPanel(on) {
 
   return {
     open() {
-      if (isOpen) return;
-      isOpen = true;
+      if (dialog.open) return;
       sizeHost.append(size.node);
       dialog.showModal();
       setZoom(1);
       on.show(true);
     },
     close: () => dialog.close(),
-    isOpen: () => isOpen,
+    isOpen: () => dialog.open,
     /** Takes a `size` event. */
     size: (event) => size.show(event),
     /** Takes a `parameters` event. */
@@ -218,8 +217,8 @@ export function patternPanel(on) {
     },
     /** Takes an `error` event, which would be hidden behind. Gives whether it was shown. */
     refuse({ what, what_to_do }) {
-      if (isOpen) showNotices([`${what} ${what_to_do}`]);
-      return isOpen;
+      if (dialog.open) showNotices([`${what} ${what_to_do}`]);
+      return dialog.open;
     },
     /** Forgets the sheet of another mesh. */
     clear() {
