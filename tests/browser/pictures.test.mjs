@@ -53,8 +53,8 @@ for (const renderer of RENDERERS) {
       await page.visit(`${PAGE}?renderer=${renderer.query}&run=0&${query}`);
       await tab.waitForSelector("html[data-renderer]", { state: "attached" });
       assert.equal(await tab.locator("html").getAttribute("data-renderer"), renderer.name);
-      // Numbers over the views are words of the machine's font.
-      await tab.evaluate(() => document.querySelectorAll(".numbers, .cone-labels").forEach((layer) => (layer.style.visibility = "hidden")));
+      // What is written over the views is set in the machine's own fonts.
+      await tab.evaluate(() => document.querySelectorAll(".numbers, .cone-labels, .legend, .alarm, .hint").forEach((layer) => (layer.style.visibility = "hidden")));
       await tab.mouse.move(2, 2);
     }
 
