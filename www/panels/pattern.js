@@ -48,6 +48,8 @@ export function patternPanel(on) {
   let zoom = 1;
   let shown = null;
   let url = null;
+  const wait = byId("wait");
+  const waitHome = wait.parentElement;
 
   dialog.append(
     h("header", {}, h("h2", { id: "pattern-title" }, "Pattern"), h("span", { class: "grow" }), ...files,
@@ -171,6 +173,7 @@ export function patternPanel(on) {
     if (dialog.open) return;
     // The Mesh section has boxes of the same names.
     size.node.remove();
+    waitHome.append(wait);
     on.show(false);
   });
 
@@ -178,6 +181,8 @@ export function patternPanel(on) {
     open() {
       if (dialog.open) return;
       sizeHost.append(size.node);
+      // Behind an open dialog nothing can be pressed: the strip with Cancel comes along.
+      dialog.append(wait);
       dialog.showModal();
       setZoom(1);
       on.show(true);
