@@ -53,7 +53,7 @@ export function patternPanel(on) {
 
   dialog.append(
     h("header", {}, h("h2", { id: "pattern-title" }, "Pattern"), h("span", { class: "grow" }), ...files,
-      h("button", { type: "button", class: "icon", "aria-label": "Close", title: "Close (Esc)", onclick: () => dialog.close() }, icon("close"))),
+      h("button", { type: "button", class: "icon", "aria-label": "Close", title: "Close (Esc)", onclick: () => close() }, icon("close"))),
     h("div", { class: "ask" }, h("fieldset", { class: "presets", "aria-label": "Trade" }, h("legend", {}, "For"), trades), sizeHost, settings),
     h("div", { class: "see" },
       h("div", { class: "over" }, facts, h("span", { class: "grow" }), nest, pageSwitch, zoomOut, zoomIn, zoomFit),
@@ -168,14 +168,23 @@ export function patternPanel(on) {
   });
   nest.addEventListener("click", () => (shown?.is_nesting ? on.pause() : on.nest()));
   new ResizeObserver(layOut).observe(sheet);
-  dialog.addEventListener("close", () => {
-    // A busy browser tells late of it: it may have been opened again.
-    if (dialog.open) return;
+  function closed() {
+    if (dialog.open || !size.node.isConnected) return;
     // The Mesh section has boxes of the same names.
     size.node.remove();
     waitHome.append(wait);
     on.show(false);
+  }
+  // A busy browser tells late of what it closed by itself.
+  function close() {
+    dialog.close();
+    closed();
+  }
+  dialog.addEventListener("cancel", (event) => {
+    event.preventDefault();
+    close();
   });
+  dialog.addEventListener("close", closed);
 
   return {
     open() {
@@ -187,7 +196,7 @@ export function patternPanel(on) {
       setZoom(1);
       on.show(true);
     },
-    close: () => dialog.close(),
+    close,
     isOpen: () => dialog.open,
     /** Takes a `size` event. */
     size: (event) => size.show(event),
