@@ -10,6 +10,7 @@ import { keepOffline } from "./offline.js";
 import { FLAT, SURFACE, Views } from "./views.js";
 import { alarm } from "./panels/alarm.js";
 import { brushPanel } from "./panels/brush.js";
+import { descriptions } from "./panels/describe.js";
 import { fileSources } from "./panels/drop.js";
 import { embed } from "./panels/embed.js";
 import { emptyState } from "./panels/empty.js";
@@ -30,6 +31,7 @@ import { presetsPanel } from "./panels/presets.js";
 import { offerRestore } from "./panels/restore.js";
 import { ruler } from "./panels/ruler.js";
 import { address, readAddress, shareButton, valueFor } from "./panels/share.js";
+import { splitters } from "./panels/splitters.js";
 import { statusPanel } from "./panels/status.js";
 import { symmetryPanel } from "./panels/symmetry.js";
 import { textureTool } from "./panels/texture.js";
@@ -82,6 +84,8 @@ const WORDS = {
 };
 /** Why what needs a cut cannot be had. */
 const BLOCKED = "Repair the mesh first: see Mesh, at the top of the parameters";
+/** Steps are taken one after the other: a strip that flashes with each would say less than the step itself. */
+const STEP_PATIENCE_MS = 500;
 /** How long a tool is given to stop by itself. */
 const GRACE_MS = 20_000;
 const root = document.documentElement;
@@ -125,11 +129,11 @@ const status = statusPanel({
   run: () => onCut({ type: "run" }),
   pause: () => client.command({ type: "pause" }),
   step: takeStep,
-  reset: () => onCut({ type: "reset" }),
+  reset: () => waits.answer("Going back to the start", "Going back was cancelled.", () => onCut({ type: "reset" })),
 });
 const symmetry = symmetryPanel({
   find: () => waits.answer("Looking for symmetries", "The search was cancelled.", () => client.command({ type: "find_symmetries" })),
-  choose: (ids) => client.command({ type: "set_symmetry", ids }),
+  choose: (ids) => waits.answer("Setting the symmetry", "Setting the symmetry was cancelled.", () => client.command({ type: "set_symmetry", ids })),
 });
 const cones = coneMethod({
   send: (command) => onCut(command),
@@ -196,7 +200,7 @@ const workshop = patternPanel(
   {
     show: (isShown) => waits.answer("Making the pattern", "The pattern was cancelled.", () => client.command({ type: "show_pattern", is_shown: isShown })),
     change: (id, value) => client.setParameter(id, value),
-    trade: (id) => client.command({ type: "apply_trade", id }),
+    trade: (id) => waits.answer("Making the pattern", "The pattern was cancelled.", () => client.command({ type: "apply_trade", id })),
     nest: () => client.command({ type: "nest" }),
     pause: () => client.command({ type: "pause" }),
     allowance: (seam, mm) => client.command({ type: "set_seam_allowance", seam, mm }),
@@ -211,7 +215,18 @@ const stages = [surfaceView, flatView].map((view) => view.querySelector(".stage"
 const legend = legends(surfaceView.querySelector(".legend"), flatView.querySelector(".said"));
 const measureRuler = ruler(flatView.querySelector(".rule"));
 const danger = alarm(byId("alarm"), { reveal: showFaults, isMoving: () => status.state() === "running" });
-const updateLegends = paced(125, () => now.scene && legend.show(now.scene, now.pattern, marked(), fold.line()));
+const describe = descriptions(() => ({
+  name: now.mesh?.name ?? "The surface",
+  marked: marked(),
+  scene: now.scene,
+  pieces: (now.scene?.patches ?? []).map((_, i) => pieces.piece(i)).filter(Boolean),
+  pattern: now.pattern,
+}));
+const updateLegends = paced(125, () => {
+  if (!now.scene) return;
+  legend.show(now.scene, now.pattern, marked(), fold.line());
+  describe();
+});
 const fold = foldTool(
   () => onPieces({ type: "fold" }),
   () => client.command({ type: "unfold" }),
@@ -581,7 +596,7 @@ function sayHint() {
 
 async function takeStep() {
   if (status.state() === "running") await client.command({ type: "pause" });
-  onCut({ type: "step" });
+  waits.answer("Taking one step", "The step was cancelled.", () => onCut({ type: "step" }), STEP_PATIENCE_MS);
 }
 
 /** What is marked on the surface in place of the pieces, as a sentence; null for the pieces. */
@@ -648,7 +663,11 @@ async function onPieces(command) {
 }
 
 function showField(id) {
-  if (id !== now.fields.current || now.doctor?.shown) onPieces({ type: "show_field", id });
+  if (id === now.fields.current && !now.doctor?.shown) return;
+  const ask = () => onPieces({ type: "show_field", id });
+  // A run goes on by itself, and Cancel would end it: its next field is one step away.
+  if (status.state() === "running") ask();
+  else waits.answer("Computing the field", "The field was cancelled.", ask);
 }
 
 async function hideSeams() {
@@ -739,7 +758,7 @@ async function save(kind) {
     else say("There is no picture yet.");
     return;
   }
-  const { file } = await client.exportFile(kind);
+  const { file } = await waits.answer(`Making ${kind}`, `${kind} was cancelled.`, () => client.exportFile(kind));
   if (file) download(file.name, new Blob([file.bytes], { type: file.mime }));
 }
 
@@ -808,6 +827,7 @@ listenToKeys({
 
 theme((dark) => views.setDark(dark));
 welcome();
+splitters();
 views.start(asked.renderer);
 
 async function begin() {

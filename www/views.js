@@ -5,6 +5,7 @@ import init, { Viewer } from "./pkg/viewer.js";
 import { coneHand } from "./cone-hand.js";
 import { coneLabels } from "./cone-labels.js";
 import { h, s } from "./dom.js";
+import { DESCRIPTIONS } from "./panels/describe.js";
 
 export const SURFACE = 0;
 export const FLAT = 1;
@@ -301,7 +302,7 @@ export class Views {
       // A lost device may refuse to be released; it is gone either way.
     }
     for (const [view, host] of this.#hosts.entries()) {
-      const canvas = h("canvas", { role: "img", "aria-label": LABELS[view], tabindex: "0" });
+      const canvas = h("canvas", { role: "img", "aria-label": LABELS[view], "aria-describedby": DESCRIPTIONS[view], tabindex: "0" });
       canvas.addEventListener("webglcontextlost", () => {
         if (this.#canvas(view) === canvas) this.#rebuild();
       });

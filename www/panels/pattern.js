@@ -48,11 +48,12 @@ export function patternPanel(on) {
   let zoom = 1;
   let shown = null;
   let url = null;
-  let isOpen = false;
+  const wait = byId("wait");
+  const waitHome = wait.parentElement;
 
   dialog.append(
     h("header", {}, h("h2", { id: "pattern-title" }, "Pattern"), h("span", { class: "grow" }), ...files,
-      h("button", { type: "button", class: "icon", "aria-label": "Close", title: "Close (Esc)", onclick: () => dialog.close() }, icon("close"))),
+      h("button", { type: "button", class: "icon", "aria-label": "Close", title: "Close (Esc)", onclick: () => close() }, icon("close"))),
     h("div", { class: "ask" }, h("fieldset", { class: "presets", "aria-label": "Trade" }, h("legend", {}, "For"), trades), sizeHost, settings),
     h("div", { class: "see" },
       h("div", { class: "over" }, facts, h("span", { class: "grow" }), nest, pageSwitch, zoomOut, zoomIn, zoomFit),
@@ -167,24 +168,36 @@ export function patternPanel(on) {
   });
   nest.addEventListener("click", () => (shown?.is_nesting ? on.pause() : on.nest()));
   new ResizeObserver(layOut).observe(sheet);
-  dialog.addEventListener("close", () => {
-    isOpen = false;
+  function closed() {
+    if (dialog.open || !size.node.isConnected) return;
     // The Mesh section has boxes of the same names.
     size.node.remove();
+    waitHome.append(wait);
     on.show(false);
+  }
+  // A busy browser tells late of what it closed by itself.
+  function close() {
+    dialog.close();
+    closed();
+  }
+  dialog.addEventListener("cancel", (event) => {
+    event.preventDefault();
+    close();
   });
+  dialog.addEventListener("close", closed);
 
   return {
     open() {
-      if (isOpen) return;
-      isOpen = true;
+      if (dialog.open) return;
       sizeHost.append(size.node);
+      // Behind an open dialog nothing can be pressed: the strip with Cancel comes along.
+      dialog.append(wait);
       dialog.showModal();
       setZoom(1);
       on.show(true);
     },
-    close: () => dialog.close(),
-    isOpen: () => isOpen,
+    close,
+    isOpen: () => dialog.open,
     /** Takes a `size` event. */
     size: (event) => size.show(event),
     /** Takes a `parameters` event. */
@@ -218,8 +231,8 @@ export function patternPanel(on) {
     },
     /** Takes an `error` event, which would be hidden behind. Gives whether it was shown. */
     refuse({ what, what_to_do }) {
-      if (isOpen) showNotices([`${what} ${what_to_do}`]);
-      return isOpen;
+      if (dialog.open) showNotices([`${what} ${what_to_do}`]);
+      return dialog.open;
     },
     /** Forgets the sheet of another mesh. */
     clear() {

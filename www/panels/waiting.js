@@ -2,9 +2,11 @@
 
 import { byId, write } from "../dom.js";
 
+/** What takes no longer needs no word. */
+const PATIENCE_MS = 200;
+
 /** A strip with a way out, shown when something takes longer than a moment. */
 function waitStrip() {
-  const PATIENCE_MS = 200;
   const host = byId("wait");
   const [bar, text, button] = host.children;
   let timer = 0;
@@ -29,13 +31,13 @@ function waitStrip() {
      * Says what is waited for; `stop()` is called when a person does not want to wait. Gives this wait, whose methods
      * do nothing once it is over or another has taken its place.
      */
-    begin(sentence, stop) {
+    begin(sentence, stop, patience = PATIENCE_MS) {
       strip.end();
       const mine = turn;
       const isOn = () => mine === turn;
       cancel = stop;
       tell(sentence, null);
-      timer = setTimeout(() => (host.hidden = false), PATIENCE_MS);
+      timer = setTimeout(() => (host.hidden = false), patience);
       return {
         isOn,
         progress: (sentence, fraction) => isOn() && tell(sentence, fraction),
@@ -74,8 +76,8 @@ export function waiting(on) {
 
   const waits = {
     /** Waits for the answer to `ask()`; who does not want to wait for it gets a new engine. */
-    async answer(sentence, cancelled, ask) {
-      const mine = strip.begin(sentence, () => on.cancel(cancelled));
+    async answer(sentence, cancelled, ask, patience) {
+      const mine = strip.begin(sentence, () => on.cancel(cancelled), patience);
       answer = mine;
       const got = await ask();
       mine.end();
