@@ -8,6 +8,7 @@ import { listenToKeys } from "./keys.js";
 import { FLAT, SURFACE, Views } from "./views.js";
 import { alarm } from "./panels/alarm.js";
 import { brushPanel } from "./panels/brush.js";
+import { comparePanel } from "./panels/compare.js";
 import { fileSources } from "./panels/drop.js";
 import { emptyState } from "./panels/empty.js";
 import { errorPanel, toast } from "./panels/error.js";
@@ -220,6 +221,7 @@ const views = new Views(stages, {
     measureRuler.show(views.pixelsPerUnit(), now.pattern);
     texture.show(now.pattern);
     learn.drawn();
+    compare.drawn();
   },
   hover: (patch) => pieces.light(patch, true),
   describe: tipFor,
@@ -268,7 +270,9 @@ const tabs = methodTabs(chooseMethod, say);
 
 const handlers = {
   ...cones.handlers,
+  comparison: (event) => compare.show(event),
   methods(event) {
+    compare.methods(event);
     tabs.show(event);
     if (event.current !== now.method) toMethod(event.current);
   },
@@ -415,6 +419,7 @@ const client = new EngineClient({
     texture.scene(scene);
     updateLegends();
     learn.update();
+    compare.scene();
   },
   restarted(sentence, hasDocument) {
     waits.end();
@@ -463,6 +468,13 @@ const learn = learnPanel(
     figures: figures(),
   }),
 );
+
+const compare = comparePanel({
+  send: onCut,
+  save,
+  picture: (isSurface, width, height) => views.thumbnail(isSurface ? SURFACE : FLAT, width, height),
+  opening: () => learn.close(),
+});
 
 // What people do.
 
@@ -563,6 +575,7 @@ function allow() {
   brush.block(reason ?? isFolded);
   cones.tool.block(reason ?? isFolded);
   byId("compare").disabled = reason !== null;
+  compare.block(reason);
   byId("hide-seams").disabled = (reason ?? isFolded) !== null;
   if (reason !== null) learn.close();
   for (const select of document.querySelectorAll("select.overlay")) {

@@ -179,8 +179,12 @@ impl Session {
         self.settled()?;
         let entry = self.result_now(name.unwrap_or_default(), seconds)?;
         self.comparing.add(entry);
+        // Whoever takes its picture waits for the next one.
+        self.scene_is_new = true;
+        events.extend(self.work.as_ref().map(Work::measures));
         events.push(self.comparison());
         events.push(self.status());
+        events.push(Event::Scene);
         Ok(())
     }
 
