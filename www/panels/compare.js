@@ -51,7 +51,7 @@ export function comparePanel(on) {
   );
   panel.append(
     h("header", {}, title, h("span", { class: "grow" }), save, close),
-    h("div", { class: "ask" }, keep, h("span", { class: "group" }, boxes, run), stop, progress),
+    h("div", { class: "ask" }, keep, h("span", { class: "pickers" }, boxes, run), stop, progress),
     nothing,
     h("div", { class: "results" }, list, sheet),
   );

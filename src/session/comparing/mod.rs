@@ -205,7 +205,8 @@ impl Session {
         let Event::Measures { rows, note, .. } = work.measures() else {
             return Err(nothing_open());
         };
-        let mut card = ResultCard::new(work.method, name, settings::changed(work));
+        let changed = settings::changed(&work.document, work.method, &work.settings);
+        let mut card = ResultCard::new(work.method, name, changed);
         card.has_result = true;
         card.steps = Some(work.step());
         card.status = status;
@@ -230,6 +231,7 @@ impl Session {
         };
         let label = format!("show {}", entry.card.name);
         let work = Work::back(&snapshot)?;
+        self.unmark(events);
         self.remember(&label, "restore");
         if let Some(old) = &mut self.work {
             // Cones are solved from nothing, as they were: what a solver knows would show in the last digits.

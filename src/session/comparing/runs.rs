@@ -284,7 +284,7 @@ impl Session {
         let made = made.and_then(|()| self.result_now(&plan.name, queue.seconds));
         let has_result = made.is_ok();
         let entry = made.map_or_else(
-            |problem| self.failure(&plan, &problem, queue.seconds),
+            |problem| failure(&plan, &queue.aside.start, &problem, queue.seconds),
             |mut entry| {
                 if let Some(snapshot) =
                     entry.snapshot.as_mut().filter(|_| plan.method != Method::CutFlow)
@@ -304,16 +304,6 @@ impl Session {
         events.extend(self.work.as_ref().map(Work::measures));
         events.push(self.comparison());
         events.push(Event::Scene);
-    }
-
-    /// A run that gave nothing.
-    fn failure(&self, plan: &Plan, problem: &Problem, seconds: Option<f64>) -> Kept {
-        let changed = self.work.as_ref().map(super::settings::changed).unwrap_or_default();
-        let mut card = ResultCard::new(plan.method, &plan.name, changed);
-        card.status = "Failed".into();
-        card.seconds = seconds;
-        card.note = Some(format!("{} {}", problem.what, problem.what_to_do));
-        Kept { card, rows: Vec::new(), snapshot: None }
     }
 
     /// No more runs: the document comes back as it was.
@@ -355,6 +345,21 @@ impl Session {
         let text = format!("{verb} step {step}: comparing, {label}, {at} of {of}");
         Some(Event::Status { state: state.into(), step, text })
     }
+}
+
+/// A run that gave nothing.
+fn failure(plan: &Plan, start: &Snapshot, problem: &Problem, seconds: Option<f64>) -> Kept {
+    let mut settings = start.settings.clone();
+    for (id, value) in &plan.values {
+        // They were found to be fine when the comparison began.
+        let _ = settings.set(id, value.clone());
+    }
+    let changed = super::settings::changed(&start.document, plan.method, &settings);
+    let mut card = ResultCard::new(plan.method, &plan.name, changed);
+    card.status = "Failed".into();
+    card.seconds = seconds;
+    card.note = Some(format!("{} {}", problem.what, problem.what_to_do));
+    Kept { card, rows: Vec::new(), snapshot: None }
 }
 
 /// The document where all runs begin, without the cut flow: each makes the flow that it needs.

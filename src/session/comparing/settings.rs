@@ -1,23 +1,28 @@
 //! The parameters in which a result differs from what its mesh was opened with.
 
+use super::super::document::Document;
 use super::super::message::{Condition, ParamKind, ParamSpec, Value};
+use super::super::method::Method;
 use super::super::params::Settings;
 use super::super::size::settings_for;
 use super::super::specs::specs_of;
-use super::super::work::Work;
 use super::ChangedSetting;
 
 /// Groups of parameters that change the pattern only, which results do not measure.
 const PATTERN: &str = "Pattern: ";
 
 /// What differs, in the order of the panel. Left out is what has no say beside the others' values, and what changes only sizes and patterns.
-pub(super) fn changed(work: &Work) -> Vec<ChangedSetting> {
-    let usual = settings_for(&work.document).values();
-    let now = work.settings.values();
-    specs_of(work.method)
+pub(super) fn changed(
+    document: &Document,
+    method: Method,
+    settings: &Settings,
+) -> Vec<ChangedSetting> {
+    let usual = settings_for(document).values();
+    let now = settings.values();
+    specs_of(method)
         .iter()
         .filter(|spec| !spec.group.starts_with(PATTERN) && !["size", "unit"].contains(&&*spec.id))
-        .filter(|spec| spec.visible_if.as_ref().is_none_or(|c| holds(c, &work.settings)))
+        .filter(|spec| spec.visible_if.as_ref().is_none_or(|c| holds(c, settings)))
         .filter_map(|spec| {
             let value = now.get(&spec.id)?;
             (usual.get(&spec.id) != Some(value)).then(|| ChangedSetting {
