@@ -470,7 +470,9 @@ const learn = learnPanel(
 );
 
 const compare = comparePanel({
-  send: onCut,
+  send: (command) => client.command(command),
+  run: onCut,
+  wait: changing,
   save,
   picture: (isSurface, width, height) => views.thumbnail(isSurface ? SURFACE : FLAT, width, height),
   opening: () => learn.close(),

@@ -142,8 +142,6 @@ fn settings_of_one_method_are_told_apart_and_the_parameters_stay_what_they_were(
     let lengths = table.rows.iter().find(|row| row.id == "cut_length").unwrap();
     assert_ne!(lengths.values[0], lengths.values[1]);
     assert_eq!((lengths.best.iter().filter(|best| **best).count(), lengths.word), (1, "shortest"));
-    let events = session.handle(Command::Hello);
-    drop(events);
     let changed = set(&mut session, "length", number(6.0));
     assert!(
         changed.iter().any(|e| matches!(e, Event::History { undo: Some(_), .. })),
@@ -242,7 +240,7 @@ fn a_comparison_pauses_goes_on_waits_to_be_seen_and_can_be_given_up() {
     let events = session.handle(Command::Undo);
     assert!(errors(&events).is_empty());
     assert_eq!(session.result_table().progress, None);
-    session.handle(Command::OpenSample { name: "ball".into() });
+    session.open("other.obj", ball(4).as_bytes());
     assert!(session.result_table().results.is_empty(), "results go with their mesh");
 }
 

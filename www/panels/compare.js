@@ -15,7 +15,7 @@ const HIDDEN_MS = 500;
 const FAULTS = ["flipped", "overlaps"];
 
 /**
- * @param on `send(command)`, `save(kind)`, `picture(isSurface, width, height)` gives a canvas or null, `opening()` before the panel is
+ * @param on `send(command)`, `run(command)` for what acts on the cut, `wait(sentence, command)` for what may take a while, `save(kind)`, `picture(isSurface, width, height)` gives a canvas or null, `opening()` before the panel is
  * shown
  */
 export function comparePanel(on) {
@@ -77,12 +77,12 @@ export function comparePanel(on) {
   }
 
   function keepNow() {
-    return on.send({ type: "keep_result" });
+    return on.wait("Keeping this result", { type: "keep_result" });
   }
 
   function compareAll() {
     const runs = [...boxes.querySelectorAll("input:checked")].map(({ value }) => ({ method: value }));
-    if (runs.length > 0) on.send({ type: "compare", runs, waits: true });
+    if (runs.length > 0) on.run({ type: "compare", runs, waits: true });
   }
 
   function offer() {
@@ -106,7 +106,10 @@ export function comparePanel(on) {
       class: "called",
       maxlength: "80",
       "aria-label": "Name",
-      onchange: () => on.send({ type: "rename_result", id, name: name.value }),
+      onchange() {
+        if (name.value.trim() === "") name.value = cards.get(id).result.name;
+        else on.send({ type: "rename_result", id, name: name.value });
+      },
       onkeydown(event) {
         if (event.key === "Enter") name.blur();
         if (event.key !== "Escape") return;
@@ -118,7 +121,7 @@ export function comparePanel(on) {
     const badge = h("span", { class: "badge", hidden: true }, "Shown now");
     const facts = h("p", { class: "fine" });
     const note = h("p", { class: "note" });
-    const again = h("button", { type: "button", class: "act", onclick: () => on.send({ type: "restore_result", id }) }, icon("eye"), "Show");
+    const again = h("button", { type: "button", class: "act", onclick: () => on.wait(`Showing ${name.value}`, { type: "restore_result", id }) }, icon("eye"), "Show");
     const remove = h("button", { type: "button", class: "act", onclick: () => drop(id) }, icon("trash"), "Remove");
     const node = h("li", {}, pictures, h("div", { class: "line" }, name, badge), facts, note, h("div", { class: "acts" }, again, remove));
     const card = { node, pictures, name, badge, facts, note, again, remove, result, isTaken: false };

@@ -125,9 +125,10 @@ impl Session {
         match command {
             Command::Pause | Command::Step => queue.is_held = true,
             Command::Run => queue.is_held = false,
-            command if goes_along(command) => {}
-            _ => self.end_comparison(events),
+            command if goes_along(command) => return,
+            _ => return self.end_comparison(events),
         }
+        events.push(self.comparison());
     }
 
     /// Tells of it when another result, or none, is what stands now.
