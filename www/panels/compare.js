@@ -15,8 +15,8 @@ const HIDDEN_MS = 500;
 const FAULTS = ["flipped", "overlaps"];
 
 /**
- * @param on `send(command)`, `run(command)` for what acts on the cut, `wait(sentence, command)` for what may take a while, `save(kind)`, `picture(isSurface, width, height)` gives a canvas or null, `opening()` before the panel is
- * shown
+ * @param on `send(command)`, `run(command)` for what acts on the cut, `wait(sentence, command)` for what may take a while, `save(kind)`,
+ * `picture(isSurface, width, height)` gives a canvas or null, `opening()` before the panel is shown
  */
 export function comparePanel(on) {
   const root = document.documentElement;
