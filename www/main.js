@@ -10,6 +10,7 @@ import { keepOffline } from "./offline.js";
 import { FLAT, SURFACE, Views } from "./views.js";
 import { alarm } from "./panels/alarm.js";
 import { brushPanel } from "./panels/brush.js";
+import { comparePanel } from "./panels/compare.js";
 import { descriptions } from "./panels/describe.js";
 import { fileSources } from "./panels/drop.js";
 import { embed } from "./panels/embed.js";
@@ -245,6 +246,7 @@ const views = new Views(stages, {
     measureRuler.show(views.pixelsPerUnit(), now.pattern);
     texture.show(now.pattern);
     learn.drawn();
+    compare.drawn();
   },
   hover: (patch) => pieces.light(patch, true),
   describe: tipFor,
@@ -305,7 +307,9 @@ const keeping = keepCut(() => changing("Putting the cut on this mesh", { type: "
 
 const handlers = {
   ...cones.handlers,
+  comparison: (event) => compare.show(event),
   methods(event) {
+    compare.methods(event);
     tabs.show(event);
     if (event.current !== now.method) toMethod(event.current);
   },
@@ -459,6 +463,7 @@ const client = new EngineClient({
     texture.scene(scene);
     updateLegends();
     learn.update();
+    compare.scene();
   },
   changed: () => saving.changed(),
   lost(name, file, isClosed) {
@@ -521,6 +526,15 @@ const learn = learnPanel(
     figures: figures(),
   }),
 );
+
+const compare = comparePanel({
+  send: (command) => client.command(command),
+  run: onCut,
+  wait: changing,
+  save,
+  picture: (isSurface, width, height) => views.thumbnail(isSurface ? SURFACE : FLAT, width, height),
+  opening: () => learn.close(),
+});
 
 // What people do.
 
@@ -621,6 +635,7 @@ function allow() {
   brush.block(reason ?? isFolded);
   cones.tool.block(reason ?? isFolded);
   byId("compare").disabled = reason !== null;
+  compare.block(reason);
   byId("hide-seams").disabled = (reason ?? isFolded) !== null;
   if (reason !== null) learn.close();
   for (const select of document.querySelectorAll("select.overlay")) {

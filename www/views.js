@@ -288,6 +288,23 @@ export class Views {
     copy.getContext("2d").drawImage(canvas, x, y, side, side, 0, 0, copy.width, copy.height);
   }
 
+  /** A small copy of a view as it is now: the middle of the surface, or all of the charts. Null where nothing is drawn. */
+  thumbnail(view, width, height) {
+    if (!this.#viewer || !this.#scene || this.#sceneIsNew) return null;
+    const canvas = this.#canvas(view);
+    // Drawn and copied in one task, as above.
+    this.#viewer.set_theme(this.#flags.dark);
+    this.#viewer.draw();
+    const ratios = [width / canvas.width, height / canvas.height];
+    const scale = view === SURFACE ? Math.max(...ratios) : Math.min(...ratios);
+    const size = [canvas.width * scale, canvas.height * scale];
+    const copy = h("canvas", { width, height });
+    const context = copy.getContext("2d");
+    context.imageSmoothingQuality = "high";
+    context.drawImage(canvas, (width - size[0]) / 2, (height - size[1]) / 2, ...size);
+    return copy;
+  }
+
   #canvas(view) {
     return this.#hosts[view].querySelector("canvas");
   }

@@ -62,6 +62,7 @@ impl Session {
     /// Takes something in; the flow starts from it, or acts on it from the next step on.
     pub fn bring(&mut self, what: Brought) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
+        self.end_comparison(&mut events);
         match self.bring_in(what, &mut events) {
             Ok(()) => self.log.push(Entry::Bring(Gift::of(&what))),
             Err(problem) => self.refuse(problem, &mut events),

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::comparing::ResultTable;
 use super::cones::{ConeComparisonRow, ConePathPoint, ConeTable};
 use super::patterning::PatternView;
 use super::segmenting::{DevelopTable, SegmentTree};
@@ -216,6 +217,59 @@ pub enum Command {
     TracePath,
     /// Sets the greedy strategy of older work beside the optimum.
     CompareCones,
+    /// Keeps what stands now as a result to compare.
+    KeepResult {
+        /// What it is called; without one by its method.
+        #[serde(default)]
+        name: Option<String>,
+        /// Time that it took, where the driver measured it.
+        #[serde(default)]
+        seconds: Option<f64>,
+    },
+    /// Makes a result what stands now.
+    RestoreResult {
+        /// Its number.
+        id: usize,
+    },
+    /// Takes a result out of the comparison.
+    RemoveResult {
+        /// Its number.
+        id: usize,
+    },
+    /// Gives a result another name.
+    RenameResult {
+        /// Its number.
+        id: usize,
+        /// What it is called.
+        name: String,
+    },
+    /// Runs methods or settings in turn on the mesh as it is, and keeps the result of each. The document stays what it was.
+    Compare {
+        /// What to run; every method with the present parameters without any.
+        #[serde(default)]
+        runs: Vec<RunRequest>,
+        /// Steps after which a flow is stopped. Cones are solved to the end.
+        #[serde(default)]
+        steps: Option<usize>,
+        /// Whether to wait for [`Command::NextResult`] after each result.
+        #[serde(default)]
+        waits: bool,
+    },
+    /// The last result has been seen: the next run may begin.
+    NextResult,
+}
+
+/// A run of a comparison.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunRequest {
+    /// `cutflow`, `cones`, `phasefield` or `developable`.
+    pub method: String,
+    /// Parameters that are to differ from the present ones.
+    #[serde(default)]
+    pub values: std::collections::BTreeMap<String, Value>,
+    /// What the result is called; without one by its method.
+    #[serde(default)]
+    pub name: Option<String>,
 }
 
 /// The value of a parameter.
@@ -416,6 +470,8 @@ pub enum Event {
     },
     /// The sheet of the pattern as it would be written now.
     Pattern(PatternView),
+    /// Results side by side, and how far runs have come that give more.
+    Comparison(ResultTable),
     /// A new scene is there.
     Scene,
 }

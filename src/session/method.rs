@@ -28,6 +28,9 @@ const METHODS: [(&str, &str, Method); 4] = [
 ];
 
 impl Method {
+    /// All of them, in the order of the page.
+    pub const ALL: [Self; 4] = [Self::CutFlow, Self::Cones, Self::PhaseField, Self::Developable];
+
     /// The method of an identifier, if there is one.
     pub fn from_id(id: &str) -> Option<Self> {
         METHODS.iter().find(|(known, ..)| *known == id).map(|&(.., method)| method)

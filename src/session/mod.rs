@@ -12,6 +12,7 @@
 mod blending;
 mod brought;
 mod charting;
+mod comparing;
 mod cones;
 mod cut_file;
 mod doctor;
@@ -51,6 +52,7 @@ use std::rc::Rc;
 
 use crate::methods::cutflow::CutFlow;
 use crate::methods::flow::Status;
+use comparing::Comparing;
 use inputs::Layers;
 use keeping::Kept;
 use preparing::Preparation;
@@ -60,6 +62,7 @@ use work::{Pending, Snapshot, Work, start_flow};
 pub use crate::flatten::comparison::Compared;
 pub use brought::Brought;
 pub use charting::{Charting, FlattenBy};
+pub use comparing::{ChangedSetting, ResultCard, ResultProgress, ResultRow, ResultTable};
 pub use cones::{
     ConeComparisonRow, ConePathPoint, ConeReport, ConeRow, ConeTable, ConesReport, RoundedReport,
 };
@@ -69,8 +72,8 @@ pub use layout::Layout;
 pub use message::{
     ChangeName, Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary,
     MethodChoice, NoticeText, PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow,
-    PresetChoice, RepairChoice, Row, SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term,
-    ToolParam, ToolSpec, Value,
+    PresetChoice, RepairChoice, Row, RunRequest, SampleChoice, StageNumber, StageNumbers,
+    SymmetryChoice, Term, ToolParam, ToolSpec, Value,
 };
 pub use method::Method;
 pub use outlines::Outline;
@@ -95,6 +98,9 @@ const SHOWN_FIRST: usize = 50_000;
 
 /// The export that holds everything.
 const PROJECT: &str = "Project (JSON)";
+
+/// Results side by side.
+const COMPARISON: &str = "Comparison (CSV)";
 
 /// All files that there are of a cut.
 const ARCHIVE: &str = "All files (ZIP)";
@@ -126,6 +132,8 @@ pub struct Session {
     is_held: bool,
     /// Whether somebody looks at the sheet of the pattern.
     is_pattern_shown: bool,
+    /// Results side by side.
+    comparing: Comparing,
 }
 
 impl Session {
@@ -138,8 +146,13 @@ impl Session {
     pub fn handle(&mut self, command: Command) -> Vec<Event> {
         // A project that is still being opened goes no further once somebody takes over.
         let is_looking = matches!(command, Command::Hold { .. } | Command::EndStroke);
-        let is_other =
-            matches!(command, Command::OpenSample { .. } | Command::KeepCut) || is_travel(&command);
+        let is_other = matches!(
+            command,
+            Command::OpenSample { .. }
+                | Command::KeepCut
+                | Command::Compare { .. }
+                | Command::RestoreResult { .. }
+        ) || is_travel(&command);
         if project::is_kept(&command) && !is_looking || is_other {
             self.replay = Replay::default();
         }
@@ -149,6 +162,7 @@ impl Session {
     fn do_again(&mut self, command: Command) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
         let entry = project::is_kept(&command).then(|| Entry::Do(command.clone()));
+        self.heed_comparison(&command, &mut events);
         let was_folded = self.is_folded();
         if !goes_along_with_preparing(&command) && self.preparation.take().is_some() {
             events.push(self.status());
@@ -241,6 +255,19 @@ impl Session {
             Command::SetSeamAllowance { seam, mm } => {
                 self.set_seam_allowance(seam, mm, &mut events)
             }
+            Command::KeepResult { name, seconds } => {
+                self.keep_result(name.as_deref(), seconds, &mut events)
+            }
+            Command::RestoreResult { id } => self.restore_result(id, &mut events),
+            Command::RemoveResult { id } => self.remove_result(id, &mut events),
+            Command::RenameResult { id, name } => self.rename_result(id, &name, &mut events),
+            Command::Compare { runs, steps, waits } => {
+                self.compare(&runs, steps, waits, &mut events)
+            }
+            Command::NextResult => {
+                self.next_result(&mut events);
+                Ok(())
+            }
         };
         match (result, entry) {
             (Ok(()), Some(entry)) => self.log.push(entry),
@@ -252,6 +279,7 @@ impl Session {
             }
         }
         self.tell_unfolded(was_folded, &mut events);
+        self.tell_current(&mut events);
         events
     }
 
@@ -291,6 +319,12 @@ impl Session {
         let mut events = std::mem::take(&mut self.late);
         let was_folded = self.is_folded();
         while self.is_running() {
+            if self.is_comparing() && self.replay.is_over() {
+                if self.compare_on(&mut events) || !go_on() {
+                    break;
+                }
+                continue;
+            }
             let stepped = if self.replay.is_over() {
                 self.log.step();
                 self.step_once(&mut events)
@@ -345,7 +379,9 @@ impl Session {
 
     /// Flattens what has come to rest.
     fn rest(&mut self, events: &mut Vec<Event>) {
+        let is_comparing = self.is_comparing();
         if let Some(work) = &mut self.work
+            && !is_comparing
             && !self.is_running
             && self.preparation.is_none()
             && !work.first_cut_is_due
@@ -359,7 +395,7 @@ impl Session {
 
     /// Whether [`Session::advance`] has anything to do.
     pub fn is_running(&self) -> bool {
-        !self.replay.is_over() || self.has_work()
+        !self.replay.is_over() || self.comparison_is_due() || self.has_work()
     }
 
     fn has_work(&self) -> bool {
@@ -489,15 +525,24 @@ impl Session {
         if kind == PROJECT {
             return self.project();
         }
+        if kind == COMPARISON {
+            return self.comparison_file();
+        }
         if kind != work::MESH {
             self.settled()?;
         }
+        let compared = self.compared_results();
         if kind == ARCHIVE {
-            let project = self.project()?;
+            let mut files = vec![self.project()?];
+            if !compared.is_empty() {
+                files.push(self.comparison_file()?);
+            }
             let Some(work) = &mut self.work else { return Err(nothing_open()) };
-            return work.archive(project);
+            work.compared = compared;
+            return work.archive(files);
         }
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
+        work.compared = compared;
         work.export(kind)
     }
 
@@ -631,6 +676,7 @@ impl Session {
         label: &str,
         events: &mut Vec<Event>,
     ) {
+        self.end_comparison(events);
         // What was painted belongs to the triangles before.
         let is_made = self
             .work
@@ -693,6 +739,7 @@ impl Session {
         self.work = Some(work);
         if is_other {
             self.shown = None;
+            events.push(self.forget_results());
             events.push(self.samples());
             events.extend(self.mesh_events());
         }
@@ -919,12 +966,18 @@ impl Session {
     }
 
     fn history_event(&self) -> Event {
-        let [done, undone] = [&self.undo, &self.redo].map(|list| self.changes(list));
+        // The way back is the document's, which is put aside while a comparison runs.
+        let is_here = !self.is_comparing();
+        let [done, undone] = [&self.undo, &self.redo]
+            .map(|list| if is_here { self.changes(list) } else { Vec::new() });
         let label = |list: &[ChangeName]| list.first().map(|change| change.label.clone());
         Event::History { undo: label(&done), redo: label(&undone), done, undone }
     }
 
     fn status(&self) -> Event {
+        if let Some(event) = self.comparison_status() {
+            return event;
+        }
         let Some(work) = &self.work else {
             let text = "Ready: open a mesh or choose a sample".into();
             return Event::Status { state: "ready".into(), step: 0, text };
@@ -996,6 +1049,8 @@ fn goes_along_with_preparing(command: &Command) -> bool {
             | Command::SetUnit { .. }
             | Command::SetSize { .. }
             | Command::DismissError
+            | Command::RenameResult { .. }
+            | Command::RemoveResult { .. }
     )
 }
 

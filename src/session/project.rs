@@ -13,7 +13,7 @@
 //! A project is replayed: as steps are deterministic, the same bytes come out on the same target. What Undo took back is not in it.
 //!
 //! Guaranteed: coordinates, order and names of the mesh survive bit for bit; unknown keys are passed over. Not guaranteed: that what was shown
-//! (camera, painted field) comes back; that another target gives the same last digits.
+//! (camera, painted field) or compared comes back; that another target gives the same last digits.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
@@ -139,6 +139,16 @@ impl Log {
         self.last = Some(Rc::new(Node { entry, before: self.last.take() }));
     }
 
+    /// Whether the same things were done, whatever has come to rest by itself since.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let is_one = match (&self.last, &other.last) {
+            (Some(own), Some(its)) => Rc::ptr_eq(own, its),
+            (own, its) => own.is_none() && its.is_none(),
+        };
+        let origins = self.origin.as_ref().zip(other.origin.as_ref());
+        is_one && origins.is_some_and(|(own, its)| Rc::ptr_eq(own, its))
+    }
+
     fn entries(&self) -> Vec<Entry> {
         let mut entries = Vec::new();
         if self.steps > 0 {
@@ -169,6 +179,12 @@ pub(super) fn is_kept(command: &Command) -> bool {
             | Command::Travel { .. }
             // What it brings along is kept in its place.
             | Command::KeepCut
+            | Command::KeepResult { .. }
+            | Command::RestoreResult { .. }
+            | Command::RemoveResult { .. }
+            | Command::RenameResult { .. }
+            | Command::Compare { .. }
+            | Command::NextResult
     )
 }
 

@@ -161,7 +161,7 @@ pub struct FlattenReport {
     pub seconds: Option<f64>,
 }
 
-/// A row of `cutflow compare`: all patches by one method.
+/// A row of `cutflow compare --flattenings`: all patches by one method.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparisonReport {
     /// The method.

@@ -59,17 +59,9 @@ impl Session {
         let count = from.len().min(changes.unsigned_abs() as usize);
         let end = from.len() - count;
         let Some(target) = from.get(end) else { return Ok(()) };
-        let flow = match &target.checkpoint {
-            Some(checkpoint) => Some(start_flow(
-                &target.document,
-                &target.settings,
-                &target.layers,
-                Some(checkpoint),
-            )?),
-            None => None,
-        };
-        let Some(work) = &self.work else { return Ok(()) };
-        let mut passed = work.snapshot("", "");
+        let work = Work::back(target)?;
+        let Some(now) = &self.work else { return Ok(()) };
+        let mut passed = now.snapshot("", "");
         passed.log = self.log.clone();
         passed.was_running = self.is_running;
         // A change keeps its name while what is on its other side takes its place.
@@ -84,18 +76,6 @@ impl Session {
             // Nothing runs after Undo.
             self.log.push(Entry::Do(Command::Pause));
         }
-        let mut work = Work::new(target.document, target.settings, flow);
-        work.method = target.method;
-        work.cones.edits = target.edits;
-        work.cones.is_stale = true;
-        work.phase.put_back(target.phase);
-        work.develop.put_back(target.develop);
-        work.layers = target.layers;
-        work.pending = target.pending;
-        work.symmetries = target.symmetries;
-        work.history = target.history;
-        work.start = target.start;
-        work.first_cut_is_due = target.first_cut_is_due;
         let allowances = target.seam_allowances;
         self.install(work, events);
         if let Some(work) = &mut self.work {
@@ -115,5 +95,33 @@ impl Session {
             ChangeName { label: snapshot.label.clone(), is_other_mesh }
         };
         list.iter().rev().map(name).collect()
+    }
+}
+
+impl Work {
+    /// The work of a snapshot.
+    pub(super) fn back(target: &Snapshot) -> Result<Self, Problem> {
+        let resume = |checkpoint| {
+            start_flow(&target.document, &target.settings, &target.layers, Some(checkpoint))
+        };
+        let flow = target.checkpoint.as_ref().map(resume).transpose()?;
+        let mut work = Self::new(target.document.clone(), target.settings.clone(), flow);
+        work.take_over(target);
+        Ok(work)
+    }
+
+    /// What a snapshot holds besides the document, its parameters and the cut flow.
+    pub(super) fn take_over(&mut self, target: &Snapshot) {
+        self.method = target.method;
+        self.cones.edits = target.edits.clone();
+        self.cones.is_stale = true;
+        self.phase.put_back(target.phase.clone());
+        self.develop.put_back(target.develop.clone());
+        self.layers = target.layers.clone();
+        self.pending = target.pending;
+        self.symmetries.clone_from(&target.symmetries);
+        self.history.clone_from(&target.history);
+        self.start.clone_from(&target.start);
+        self.first_cut_is_due = target.first_cut_is_due;
     }
 }

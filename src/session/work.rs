@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use std::rc::Rc;
 
 use super::charting::{Charting, FlattenBy};
+use super::comparing::ResultCard;
 use super::cones::{Cones, ConesReport, Edits};
 use super::document::Document;
 use super::folding::Fold;
@@ -86,6 +87,8 @@ pub(super) struct Work {
     pub phase: PhaseField,
     /// Developable patches.
     pub develop: Developable,
+    /// Results beside this one, for the report.
+    pub compared: Vec<ResultCard>,
     /// What other methods show, for coming back to them.
     pub shelf: BTreeMap<Method, Shelf>,
     pub revision: u32,
@@ -102,6 +105,7 @@ pub(super) struct Shelf {
 }
 
 /// What Undo goes back to.
+#[derive(Clone)]
 pub(super) struct Snapshot {
     /// The change that came after.
     pub label: String,
@@ -302,6 +306,7 @@ impl Work {
             cones: Cones::default(),
             phase: PhaseField::default(),
             develop: Developable::default(),
+            compared: Vec::new(),
             shelf: BTreeMap::new(),
             revision: 0,
         }
@@ -634,10 +639,18 @@ impl Work {
                     phasefield: Option<PhaseFieldReport>,
                     #[serde(skip_serializing_if = "Option::is_none")]
                     develop: Option<DevelopReport>,
+                    #[serde(skip_serializing_if = "Vec::is_empty")]
+                    comparison: Vec<ResultCard>,
                 }
                 let info = InfoReport::new(document);
-                let mut whole =
-                    Whole { info, cut: None, cones: None, phasefield: None, develop: None };
+                let mut whole = Whole {
+                    info,
+                    cut: None,
+                    cones: None,
+                    phasefield: None,
+                    develop: None,
+                    comparison: self.compared.clone(),
+                };
                 match self.method {
                     Method::CutFlow => whole.cut = Some(self.cut_report(None)?),
                     Method::Cones => whole.cones = Some(self.cones_report(None)?),

@@ -67,8 +67,10 @@ impl Engine {
 
     /// Steps the running flow for about that long; gives an array of events.
     pub fn advance(&mut self, milliseconds: f64) -> Result<JsValue, JsValue> {
-        let end = now() + milliseconds;
-        events(&self.session.advance(&mut || now() < end))
+        let start = now();
+        let told = self.session.advance(&mut || now() < start + milliseconds);
+        self.session.spend((now() - start) / 1000.0);
+        events(&told)
     }
 
     /// Whether there is anything to advance.

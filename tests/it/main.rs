@@ -12,6 +12,7 @@ mod atlases;
 mod baselines;
 mod charts;
 mod closed_curves;
+mod comparing;
 mod cone_sessions;
 mod cones;
 mod conformal;

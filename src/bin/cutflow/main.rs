@@ -21,6 +21,7 @@ macro_rules! say {
 mod compare;
 mod cones;
 mod cut;
+mod flattenings;
 mod pattern;
 mod segment;
 
@@ -70,8 +71,8 @@ enum Task {
     Pattern(Box<pattern::PatternArgs>),
     /// Does again what a project holds.
     Run(pattern::RunArgs),
-    /// Flattens by several methods, and shows what each is worth and how long it takes.
-    Compare(compare::CompareArgs),
+    /// Runs several methods or settings on one mesh, and shows what each is worth and how long it takes.
+    Compare(Box<compare::CompareArgs>),
 }
 
 #[derive(Args)]
@@ -266,7 +267,7 @@ fn can_write(task: &Task) -> Result<(), Problem> {
         Task::Repair { output, report, .. } => (Some(output.as_path()), (None, report)),
         Task::Prepare(args) => (Some(args.output.as_path()), (None, &args.report)),
         Task::Flatten(args) => (Some(args.output.as_path()), (None, &args.report)),
-        Task::Compare(args) => (None, (None, &args.report)),
+        Task::Compare(args) => (None, args.outputs()),
         Task::Cut(args) => (None, args.outputs()),
         Task::Cones(args) => (None, args.outputs()),
         Task::Phasefield(args) => (None, args.outputs()),

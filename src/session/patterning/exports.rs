@@ -224,9 +224,8 @@ impl Work {
         ))
     }
 
-    /// All files in one, and the project.
-    pub(in super::super) fn archive(&mut self, project: File) -> Result<File, Problem> {
-        let mut files = vec![project];
+    /// All files in one, after those that are given.
+    pub(in super::super) fn archive(&mut self, mut files: Vec<File>) -> Result<File, Problem> {
         for kind in ARCHIVED {
             files.push(self.export(kind)?);
         }
