@@ -209,6 +209,22 @@ pub enum Command {
     TracePath,
     /// Sets the greedy strategy of older work beside the optimum.
     CompareCones,
+    /// Measures between two places of the surface.
+    Measure {
+        /// One end.
+        from: Spot,
+        /// The other.
+        to: Spot,
+    },
+}
+
+/// A place of the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spot {
+    /// The face of the mesh there.
+    pub face: u32,
+    /// The place in the scene.
+    pub place: [f64; 3],
 }
 
 /// The value of a parameter.
@@ -400,6 +416,15 @@ pub enum Event {
     },
     /// The sheet of the pattern as it would be written now.
     Pattern(PatternView),
+    /// How far two places are from each other.
+    Measured {
+        /// Along the straight line between them, in millimetres.
+        straight_mm: f64,
+        /// Along the surface; none where no way along it joins them.
+        along_mm: Option<f64>,
+        /// The way along the surface, in the scene.
+        path: Vec<[f64; 3]>,
+    },
     /// A new scene is there.
     Scene,
 }

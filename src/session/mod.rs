@@ -19,6 +19,7 @@ mod document;
 mod folding;
 mod inputs;
 mod layout;
+mod measuring;
 mod message;
 mod method;
 mod notices;
@@ -67,8 +68,8 @@ pub use layout::Layout;
 pub use message::{
     Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary, MethodChoice,
     NoticeText, PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow, PresetChoice,
-    RepairChoice, Row, SampleChoice, StageNumber, StageNumbers, SymmetryChoice, Term, ToolParam,
-    ToolSpec, Value,
+    RepairChoice, Row, SampleChoice, Spot, StageNumber, StageNumbers, SymmetryChoice, Term,
+    ToolParam, ToolSpec, Value,
 };
 pub use method::Method;
 pub use outlines::Outline;
@@ -226,6 +227,7 @@ impl Session {
             Command::ClearCones => self.clear_cones(&mut events),
             Command::TracePath => self.trace_path(&mut events),
             Command::CompareCones => self.compare_cones(&mut events),
+            Command::Measure { from, to } => self.measure(from, to, &mut events),
             Command::SelectSegment { node } => self.select_segment(node, &mut events),
             Command::Sew { patches, joins } => self.sew(patches, joins, &mut events),
             Command::HandOver => self.hand_over(&mut events),
@@ -960,6 +962,7 @@ fn goes_along_with_preparing(command: &Command) -> bool {
             | Command::SetUnit { .. }
             | Command::SetSize { .. }
             | Command::DismissError
+            | Command::Measure { .. }
     )
 }
 
