@@ -379,3 +379,6 @@ fn around(mesh: &Mesh, geometry: &Geometry, strip: &[FaceId], taut: &Taut) -> Op
 fn angle(a: Vector2<f64>, b: Vector2<f64>) -> f64 {
     a.perp(&b).abs().atan2(a.dot(&b))
 }
+
+#[cfg(test)]
+mod tests;
