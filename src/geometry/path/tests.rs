@@ -1,3 +1,5 @@
+//! Ways against what is known of them: straight lines, corners, nets of a cube, great circles.
+
 use super::*;
 
 /// A flat grid of `n` squares a side, without those that `is_hole` takes; diagonals turn from square to square.
