@@ -38,7 +38,7 @@ export function piecesPanel(host, hover, { fly, isolate }) {
         {
           // One stop of the Tab key for the whole table; arrows go from row to row.
           tabindex: n === 0 ? "0" : "-1",
-          "aria-label": `Piece ${count(n + 1)}: Enter flies to it`,
+          "aria-keyshortcuts": "Enter I",
           onpointerenter: () => hover(n),
           onpointerleave: () => hover(-1),
           ondblclick: () => fly(n),
@@ -86,6 +86,8 @@ export function piecesPanel(host, hover, { fly, isolate }) {
     });
     if (body.childElementCount !== pieces.length) {
       body.replaceChildren(...lines.slice(0, pieces.length).map(({ row }) => row));
+      // The stop of the Tab key may have been in a row that is gone.
+      if (lines.length > 0 && !body.querySelector("[tabindex='0']")) lines[0].row.tabIndex = 0;
     }
   });
 

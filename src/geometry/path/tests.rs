@@ -1,6 +1,13 @@
 //! Ways against what is known of them: straight lines, corners, nets of a cube, great circles.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "faces are chosen by fractions of their number"
+)]
+
 use super::*;
+use nalgebra::Vector3;
 
 /// A flat grid of `n` squares a side, without those that `is_hole` takes; diagonals turn from square to square.
 fn grid(n: usize, is_hole: impl Fn(usize, usize) -> bool) -> (Mesh, Geometry) {
@@ -32,7 +39,6 @@ fn ball(n: u32) -> (Mesh, Geometry) {
     let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
     let mut triangles = vec![[x, y, z], [y, -x, z], [-x, -y, z], [-y, x, z]];
     triangles.extend([[y, x, -z], [-x, y, -z], [-y, -x, -z], [x, -y, -z]]);
-    use nalgebra::Vector3;
     for _ in 0..n {
         triangles = triangles
             .into_iter()
@@ -116,7 +122,7 @@ trait PerpXy {
     fn perp_xy(&self, other: &Self) -> f64;
 }
 
-impl PerpXy for nalgebra::Vector3<f64> {
+impl PerpXy for Vector3<f64> {
     fn perp_xy(&self, other: &Self) -> f64 {
         self.x * other.y - self.y * other.x
     }
@@ -125,7 +131,7 @@ impl PerpXy for nalgebra::Vector3<f64> {
 #[test]
 fn from_corner_to_corner_of_a_cube_the_way_is_that_of_its_net() {
     let points: Vec<Point3<f64>> = (0..8u8)
-        .map(|i| Point3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
+        .map(|i| Point3::new(f64::from(i & 1), f64::from((i >> 1) & 1), f64::from(i >> 2)))
         .collect();
     let squares =
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];

@@ -124,8 +124,8 @@ impl Stage {
             // Every surface fits the unit ball.
             ClipAxis::View => (self.orbit.towards_eye(), -1.0, 1.0),
         };
-        // A hair more on either side, so that nothing of the whole is lost to rounding.
-        let room = 1e-4 + (high - low) * clip.kept.clamp(0.0, 1.0) * (1.0 + 2e-4);
+        // A hair beyond it on either side: all of it is all of it whatever the rounding, and nothing nothing.
+        let room = (high - low + 2e-4) * clip.kept.clamp(0.0, 1.0) - 1e-4;
         if clip.is_turned { (-normal).extend(room - high) } else { normal.extend(low + room) }
     }
 

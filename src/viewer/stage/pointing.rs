@@ -147,6 +147,8 @@ impl Stage {
     pub(super) fn point_at_scene(&mut self, is_new_mesh: bool, triangles: bool, rims: bool) {
         let scene = &self.scene;
         let pointing = &mut self.pointing;
+        let was_pointed = pointing.probe.is_some() || pointing.seam.is_some();
+        let was_measured = !pointing.ends.is_empty();
         if is_new_mesh {
             pointing.pins.clear();
             pointing.ends.clear();
@@ -169,8 +171,9 @@ impl Stage {
             pointing.seam = None;
         }
         // Its points may lie elsewhere now, on the surface or on the sheet.
-        self.stamp(true, &POINTED);
-        self.stamp(true, &MEASURED);
+        self.stamp(was_pointed, &POINTED);
+        self.stamp(was_pointed, &[Part::Outline, Part::ChartOutline]);
+        self.stamp(was_measured, &MEASURED);
     }
 
     fn anchor_of(&self, hit: Hit) -> Anchor {
