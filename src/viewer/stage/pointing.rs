@@ -264,7 +264,8 @@ impl Stage {
         let across = |segment: u32| scene.rim_partners[segment as usize];
         let neighbour = |segment: u32, side: usize| self.neighbours[segment as usize][side];
         let follows = |segment: u32, next: u32| {
-            next != NONE && across(next) != NONE && neighbour(across(segment), 0) == across(next)
+            let is_cut = next != NONE && across(next) != NONE && across(segment) != NONE;
+            is_cut && neighbour(across(segment), 0) == across(next)
         };
         let mut segments = vec![segment];
         let mut last = segment;
