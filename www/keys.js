@@ -18,7 +18,10 @@ export function listenToKeys({ actions, press, dismiss, held }) {
       return;
     }
     if (event.key === "Escape" && dismiss()) return;
-    const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    // Digits go by their place: with Shift, and on some keyboards without, they write something else.
+    const digit = /^(?:Digit|Numpad)(\d)$/.exec(event.code)?.[1];
+    const typed = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const name = digit && digitsMean(event.key, digit) ? `${event.shiftKey ? "Shift " : ""}${digit}` : typed;
     if (types && !(name === "Escape" && target.matches("select"))) return;
     if (held(name)) {
       event.preventDefault();
@@ -30,3 +33,6 @@ export function listenToKeys({ actions, press, dismiss, held }) {
     actions[name]();
   });
 }
+
+/** Whether a key of the row of digits stands for its digit: keys of other signs on it that mean something keep their meaning. */
+const digitsMean = (key, digit) => key === digit || !"[].?".includes(key);

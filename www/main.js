@@ -19,6 +19,7 @@ import { errorPanel, toast } from "./panels/error.js";
 import { download, exportMenu } from "./panels/export-menu.js";
 import { historyPanel } from "./panels/history.js";
 import { keepCut } from "./panels/keep.js";
+import { keyboardHelp } from "./panels/keyboard.js";
 import { learnPanel } from "./panels/learn.js";
 import { legends } from "./panels/legends.js";
 import { measuresPanel } from "./panels/measures.js";
@@ -38,13 +39,16 @@ import { symmetryPanel } from "./panels/symmetry.js";
 import { textureTool } from "./panels/texture.js";
 import { theme } from "./panels/theme.js";
 import { methodTabs, sheetTabs } from "./panels/tabs.js";
+import { hasValues, lengthOf, tipNodes } from "./panels/tip.js";
+import { viewMenu } from "./panels/view-menu.js";
 import { growthPanel } from "./panels/growth.js";
 import { segmentsPanel } from "./panels/segments.js";
 import { foldTool, viewTools } from "./panels/tools.js";
 import { glossary } from "./panels/glossary.js";
 import { welcome } from "./panels/welcome.js";
 import { waiting } from "./panels/waiting.js";
-import { measure, patternIn, percent, plural } from "./format.js";
+import { wordsOf } from "./fields.js";
+import { measure, patternIn, patternLength, plural } from "./format.js";
 
 const FIRST_SAMPLE = "ball";
 /** What the page says of a method where its own words differ. */
@@ -143,7 +147,10 @@ const cones = coneMethod({
   views: () => views,
   say: (sentence) => say(sentence),
   toolChanged(isHeld) {
-    if (isHeld) brush.put();
+    if (isHeld) {
+      brush.put();
+      looks.endMeasure();
+    }
     tools.held(brush.isOn() || isHeld);
     sayHint();
   },
@@ -186,7 +193,10 @@ const presets = presetsPanel(
 );
 const plot = energyPlot(byId("plot"));
 const measures = measuresPanel(byId("measures"));
-const pieces = piecesPanel(byId("pieces"), (patch) => views.setHover(patch));
+const pieces = piecesPanel(byId("pieces"), (patch) => views.setHover(patch), {
+  fly: (patch) => views.look.flyTo(patch),
+  isolate: (patch) => views.look.isolate(patch),
+});
 const mesh = meshLine(openMeshSection);
 const meshPanel = meshSection(byId("mesh-section"), {
   repair: (id) => changing("Repairing", { type: "repair", id }),
@@ -250,6 +260,12 @@ const views = new Views(stages, {
   },
   hover: (patch) => pieces.light(patch, true),
   describe: tipFor,
+  looking: {
+    isolated: (patch) => looks.isolated(patch),
+    ends: (count) => count < 2 && looks.tellEnds(count),
+    measured: measureBetween,
+    words: fieldWords,
+  },
   hoverCone: cones.hoverCone,
   describeCone: cones.describeCone,
   selectCone: cones.selectCone,
@@ -270,6 +286,28 @@ const texture = textureTool(views, flatView.querySelector(".weave"), {
   atlas: () => showField("pieces"),
 });
 
+const showKeys = keyboardHelp();
+const looks = viewMenu({
+  side: (id) => views.look.lookFrom(id),
+  orthographic: (on) => views.look.setOrthographic(on),
+  clip: (clip) => views.look.setClip(clip),
+  isolate: isolatePiece,
+  measure(on) {
+    if (on) {
+      brush.put();
+      cones.tool.put();
+    }
+    views.setMeasure(on);
+    sayHint();
+  },
+  clearMeasure() {
+    views.look.clearMeasure();
+    looks.tellEnds(0);
+  },
+  keyboard: showKeys,
+  say: (sentence) => say(sentence),
+});
+
 const brush = brushPanel(
   views,
   {
@@ -279,7 +317,10 @@ const brush = brushPanel(
     circle: ({ face, x, y, z }) => changing("Starting at a circle", { type: "place_circle", face, place: [x, y, z] }),
     field: showField,
     changed(isOn) {
-      if (isOn) cones.tool.put();
+      if (isOn) {
+        cones.tool.put();
+        looks.endMeasure();
+      }
       tools.held(isOn || cones.tool.isOn());
       sayHint();
     },
@@ -290,6 +331,7 @@ const brush = brushPanel(
 const tools = viewTools(views, () => {
   brush.put();
   cones.tool.put();
+  looks.endMeasure();
 });
 const tabs = methodTabs(chooseMethod, say);
 
@@ -326,6 +368,8 @@ const handlers = {
     now.stages = null;
     document.title = `Cutflow – ${event.name}`;
     brush.drop();
+    views.look.clear();
+    looks.tellEnds(0);
     fold.clear();
     workshop.clear();
     danger.show([], []);
@@ -365,6 +409,7 @@ const handlers = {
     learn.parameters(event);
     workshop.parameters(event);
   },
+  measured: showMeasured,
   trades: (event) => workshop.trades(event),
   pattern: (event) => workshop.show(event),
   presets: (event) => presets.show(event),
@@ -605,6 +650,7 @@ function sayHint() {
   if (!text) return;
   if (brush.isOn()) text.textContent = "Drag to paint, beside the surface to turn · ";
   else if (cones.tool.isOn()) text.textContent = "Click to add a cone, drag to turn · ";
+  else if (looks.isMeasuring()) text.textContent = "Click to measure, drag to turn · ";
   else text.textContent = now.method === "cones" ? "Drag to turn, or to move a cone · " : "Drag to turn · ";
 }
 
@@ -634,6 +680,7 @@ function allow() {
   const isFolded = fold.isOn() ? "End the fold preview first" : null;
   brush.block(reason ?? isFolded);
   cones.tool.block(reason ?? isFolded);
+  looks.block(reason ?? isFolded);
   byId("compare").disabled = reason !== null;
   compare.block(reason);
   byId("hide-seams").disabled = (reason ?? isFolded) !== null;
@@ -777,17 +824,53 @@ async function save(kind) {
   if (file) download(file.name, new Blob([file.bytes], { type: file.mime }));
 }
 
-function tipFor(patch) {
+function tipFor(patch, pointed = {}) {
   if (marked() !== null) return [];
-  const piece = pieces.piece(patch);
-  const share = piece?.area_fraction ?? now.scene?.patches[patch]?.area_fraction;
-  if (share === undefined) return [];
-  const seam = piece?.seam_length === null || piece?.seam_length === undefined ? null : `seam ${measure(piece.seam_length, "√A")}`;
-  return [
-    h("b", {}, `Piece ${patch + 1}`),
-    ` ${percent(share)} of the area`,
-    ...[seam, piece?.note].filter(Boolean).flatMap((text) => [h("br"), text]),
-  ];
+  const { patches = [], field = null } = now.scene ?? {};
+  return tipNodes({ patches, field, piece: pieces.piece(patch), pattern: now.pattern }, patch, pointed);
+}
+
+/** How values of the field that is shown are written; null where it has none. */
+function fieldWords() {
+  const field = now.scene?.field;
+  if (!hasValues(field) || marked() !== null) return null;
+  const { label, value } = wordsOf(field);
+  return { name: label, value };
+}
+
+/** Shows the piece alone that was pointed at last, or all of them again. */
+function isolatePiece() {
+  const { look } = views;
+  if (look.isolated() < 0 && look.last() < 0) say("Point at a piece first, then press I.");
+  else look.isolate(look.last());
+}
+
+async function measureBetween(from, to) {
+  const spot = ({ face, x, y, z }) => ({ face, place: [x, y, z] });
+  await client.command({ type: "measure", from: spot(from), to: spot(to) });
+}
+
+function showMeasured({ straight_mm, along_mm, path }) {
+  const length = (mm) => {
+    const { unit_length, unit } = patternIn({ width: 0, height: 0, unit: "mm", unit_length: mm }, now.unit);
+    return `${patternLength(unit_length, unit)}\u00a0${unit}`;
+  };
+  const straight = `${length(straight_mm)} straight`;
+  const along = along_mm === null ? "no way along the surface" : `${length(along_mm)} along the surface`;
+  const onChart = lengthOf(views.look.chartLength(), now.pattern);
+  const flat = onChart ? `${onChart} on the chart` : "";
+  views.look.showMeasured(path, [along_mm === null ? straight : length(along_mm), onChart ?? ""]);
+  looks.tellEnds(2, [along, straight, flat].filter(Boolean).join(" · "));
+}
+
+/** Escape puts away what is in hand, the newest first; false if there is nothing. */
+function putAway() {
+  if (looks.isMeasuring()) looks.endMeasure();
+  else if (!views.look.unpin()) {
+    if (views.look.isolated() < 0) return false;
+    isolatePiece();
+  }
+  return true;
 }
 
 fileSources(openFile);
@@ -824,7 +907,7 @@ const press = (id) => !byId(id).disabled && !byId(id).hidden && byId(id).click()
 listenToKeys({
   press,
   dismiss: () => error.dismiss(),
-  held: (name) => brush.key(name) || (!learn.isOpen() && cones.key(name)),
+  held: (name) => brush.key(name) || (!learn.isOpen() && cones.key(name)) || (name === "Escape" && putAway()),
   actions: {
     o: () => byId("file").click(),
     " ": () => press(status.state() === "running" ? "pause" : "run"),
@@ -835,6 +918,17 @@ listenToKeys({
     c: () => press("checkerboard"),
     b: () => learn.isOpen() || press("brush"),
     a: () => learn.isOpen() || press("add-cone"),
+    1: () => looks.look("front"),
+    "Shift 1": () => looks.look("back"),
+    3: () => looks.look("right"),
+    "Shift 3": () => looks.look("left"),
+    7: () => looks.look("top"),
+    "Shift 7": () => looks.look("bottom"),
+    5: looks.toggleOrthographic,
+    i: isolatePiece,
+    x: looks.toggleClip,
+    d: () => learn.isOpen() || looks.toggleMeasure(),
+    "?": showKeys,
   },
 });
 

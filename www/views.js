@@ -5,6 +5,7 @@ import init, { Viewer } from "./pkg/viewer.js";
 import { coneHand } from "./cone-hand.js";
 import { coneLabels } from "./cone-labels.js";
 import { h, s } from "./dom.js";
+import { looking } from "./looking.js";
 import { DESCRIPTIONS } from "./panels/describe.js";
 
 export const SURFACE = 0;
@@ -19,6 +20,10 @@ const KEY_DRAG = 24;
 const PICTURE_PX = 1600;
 /** The longest side that every graphics backend can draw. */
 const MOST_PX = 8192;
+/** A press that moves no further is a click. */
+const CLICK_PX = 4;
+/** A cut is pointed at from this far beside it, in pixels. */
+const SEAM_PX = 7;
 /** A finger that moves this far paints; one that lifts before has touched, and a second one may still join it. */
 const TOUCH_PX = 4;
 /** The ring that shows where a cone would be added. */
@@ -60,12 +65,14 @@ export class Views {
   #marks = { hover: -1, selected: -1 };
   #hand;
   #labels;
+  /** Flights, single pieces, clipping, pins, measuring: see looking.js. */
+  look;
   #frame = () => this.#draw();
 
   /**
    * @param hosts the two elements that hold the canvases
    * @param on `renderer(name)`, `taken()` when a scene was handed to the viewer, `hover(patch)`, `describe(patch)`
-   * giving the nodes of the tip, `drawn()` after a picture changed, `failed(reason)`; of cones `hoverCone(cone)`,
+   * giving the nodes of the tip, with what else is known of the place as its second argument, `drawn()` after a picture changed, `failed(reason)`; of cones `hoverCone(cone)`,
    * `describeCone(cone)`, `selectCone(cone)`, `moveCone(cone, pick)`, `addCone(pick)`
    */
   constructor(hosts, on) {
@@ -74,6 +81,7 @@ export class Views {
     hosts[FLAT].append(this.#numbersLayer);
     this.#labels = hosts.map(coneLabels);
     this.#hand = coneHand(() => (this.#scene ? this.#viewer : null), { select: on.selectCone, move: on.moveCone, add: on.addCone });
+    this.look = looking(hosts, () => (this.#scene ? this.#viewer : null), on.looking);
     hosts.forEach((host, view) => this.#listen(host, view));
   }
 
@@ -147,6 +155,7 @@ export class Views {
 
   /** Outlines a patch in both views; -1 for none. */
   setHover(patch) {
+    this.look.pointedAt(patch);
     if (this.#flags.hover === patch) return;
     this.#flags.hover = patch;
     this.#viewer?.set_hover(patch);
@@ -213,8 +222,21 @@ export class Views {
   /** Draws the ring of the brush anew: its size has changed. */
   refreshBrush() {
     const at = this.#brushAt ?? this.#keyboardAt();
-    const radius = this.#brush ? this.#brush.radius() : this.#hand.adds() ? POINT : 0;
+    const radius = this.#brush ? this.#brush.radius() : this.#aims() ? POINT : 0;
     this.#viewer?.set_brush(at?.x ?? 0, at?.y ?? 0, at ? radius : 0);
+  }
+
+  /** Whether a click sets something at a place, which a ring shows. */
+  #aims() {
+    return this.#hand.adds() || this.look.measures();
+  }
+
+  /** Whether clicks measure. */
+  setMeasure(on) {
+    this.look.setMeasure(on);
+    this.#brushAt = null;
+    this.#hosts.forEach((host) => host.classList.toggle("adding", on));
+    this.refreshBrush();
   }
 
   /** Where the keyboard paints: in the middle. */
@@ -342,6 +364,7 @@ export class Views {
     if (this.#image) viewer.set_image(this.#image.width, this.#image.height, this.#image.bytes);
     viewer.set_wireframe(this.#flags.wireframe);
     viewer.set_cone_marks(this.#marks.hover, this.#marks.selected);
+    this.look.restore(viewer);
     this.#viewer = viewer;
     this.#resize();
     if (this.#scene) {
@@ -403,9 +426,11 @@ export class Views {
       this.#on.taken();
     }
     this.#pick();
-    if (this.#brush || this.#hand.adds()) this.refreshBrush();
+    if (this.#brush || this.#aims()) this.refreshBrush();
+    this.look.frame();
     if (!this.#viewer.draw()) return;
     this.#rebuilds = 0;
+    if (this.#scene) this.look.drawn();
     this.#placeNumbers();
     this.#placeLabels();
     this.#on.drawn();
@@ -459,10 +484,13 @@ export class Views {
     this.markCones({ hover: cone });
     this.#hosts[at.view].classList.toggle("on-cone", cone >= 0);
     // With the tool in hand the place matters, not the piece.
-    const patch = cone >= 0 || this.#hand.adds() ? -1 : (this.#viewer.pick(at.view, at.x, at.y)?.patch ?? -1);
+    const isCone = cone >= 0 || this.#hand.adds();
+    if (isCone) this.#viewer.point_away();
+    const pointed = isCone ? {} : this.#viewer.point(at.view, at.x, at.y, SEAM_PX);
+    const patch = pointed.patch ?? -1;
     this.setHover(patch);
     if (cone >= 0) this.#showTip(at, this.#on.describeCone(cone));
-    else this.#showTip(at, patch < 0 ? [] : this.#on.describe(patch));
+    else this.#showTip(at, patch < 0 && !pointed.seam ? [] : this.#on.describe(patch, pointed));
   }
 
   #showTip(at, text = []) {
@@ -482,6 +510,7 @@ export class Views {
   #leave() {
     this.#pointerAt = null;
     this.#showTip(null);
+    this.#viewer?.point_away();
     this.setHover(-1);
     this.markCones({ hover: -1 });
   }
@@ -503,6 +532,8 @@ export class Views {
     /** The pointer that paints, and where a finger has touched that may be about to. */
     let painter = null;
     let touched = null;
+    /** The press that may become a click. */
+    let pressed = null;
     const paint = (at, event, begins) => {
       const picks = this.#viewer?.stroke(at.x, at.y, this.#brush.radius(), begins) ?? [];
       if (picks.length > 0) this.#brush.stroke(picks, begins, event.altKey);
@@ -511,13 +542,17 @@ export class Views {
 
     host.addEventListener("pointerdown", (event) => {
       if (pointers.size === 2) return;
+      const isFree = pointers.size === 0 && event.button === 0 && !event.shiftKey && !this.#brush && !this.#hand.adds();
+      // A click beside a chosen cone lets go of it and does no more.
+      pressed = isFree && this.#marks.selected < 0 ? place(event) : null;
       host.setPointerCapture(event.pointerId);
       pointers.set(event.pointerId, place(event));
       this.#canvas(view)?.focus({ preventScroll: true });
-      if (view === SURFACE && (this.#brush || this.#hand.adds())) this.#brushAt = place(event);
+      if (view === SURFACE && (this.#brush || this.#aims())) this.#brushAt = place(event);
       if (pointers.size > 1) this.#hand.cancel();
       else if (!(this.#brush && view === SURFACE) && this.#hand.down(view, place(event), event)) {
         this.#showTip(null);
+        pressed = null;
         host.classList.add("dragging");
         return;
       }
@@ -536,7 +571,8 @@ export class Views {
     host.addEventListener("pointermove", (event) => {
       const at = place(event);
       const before = pointers.get(event.pointerId);
-      if (view === SURFACE && (this.#brush || this.#hand.adds())) this.#brushAt = at;
+      if (view === SURFACE && (this.#brush || this.#aims())) this.#brushAt = at;
+      if (pressed && Math.hypot(at.x - pressed.x, at.y - pressed.y) > (event.pointerType === "touch" ? 2 : 1) * CLICK_PX) pressed = null;
       if (!before) {
         this.#pointerAt = at;
         return;
@@ -571,6 +607,8 @@ export class Views {
       [painter, touched] = [null, null];
       if (event.type === "pointerup") this.#hand.up(event);
       else this.#hand.cancel();
+      if (event.type === "pointerup" && pressed && pointers.size === 1) this.look.click(pressed);
+      pressed = null;
       if (event.pointerType === "touch") this.#brushAt = null;
       pointers.delete(event.pointerId);
       if (pointers.size === 0) host.classList.remove("dragging");
@@ -582,7 +620,10 @@ export class Views {
       if (event.pointerType === "mouse" && pointers.size === 0) this.#leave();
     });
     host.addEventListener("contextmenu", (event) => event.preventDefault());
-    host.addEventListener("dblclick", () => this.#brush || this.#hand.adds() || this.fit(view));
+    host.addEventListener("dblclick", (event) => {
+      if (this.#brush || this.#aims() || this.look.doubleClick(place(event))) return;
+      this.fit(view);
+    });
     host.addEventListener(
       "wheel",
       (event) => {
@@ -608,7 +649,8 @@ export class Views {
         const pick = this.middle();
         if (pick) this.#on.addCone(pick);
       }
-      else if (event.key === "f" || event.key === "F") this.fit(view);
+      else if (event.key === "Enter" && this.look.measures()) this.look.click({ view, x: host.clientWidth / 2, y: host.clientHeight / 2 });
+      else if (event.key === "f" || event.key === "F" || event.key === "Home") this.fit(view);
       else return;
       event.preventDefault();
       event.stopPropagation();

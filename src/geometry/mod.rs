@@ -14,6 +14,7 @@ pub mod doctor;
 mod intrinsic;
 mod laplacian;
 mod nearest;
+mod path;
 pub mod polygon;
 pub mod symmetry;
 mod visibility;
@@ -27,6 +28,7 @@ pub use distance::{GeodesicFront, geodesic_distances, geodesic_distances_from};
 pub use intrinsic::{Intrinsic, mollification, without_slivers};
 pub use laplacian::Laplacian;
 pub use nearest::{Hit, Nearest, closest};
+pub use path::{SurfacePath, shortest_path};
 pub use symmetry::{
     Symmetry, SymmetryError, SymmetryKind, SymmetryMap, find_symmetries, symmetry_group,
 };

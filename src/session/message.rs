@@ -257,6 +257,13 @@ pub enum Command {
     },
     /// The last result has been seen: the next run may begin.
     NextResult,
+    /// Measures between two places of the surface.
+    Measure {
+        /// One end.
+        from: Spot,
+        /// The other.
+        to: Spot,
+    },
 }
 
 /// A run of a comparison.
@@ -270,6 +277,15 @@ pub struct RunRequest {
     /// What the result is called; without one by its method.
     #[serde(default)]
     pub name: Option<String>,
+}
+
+/// A place of the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spot {
+    /// The face of the mesh there.
+    pub face: u32,
+    /// The place in the scene.
+    pub place: [f64; 3],
 }
 
 /// The value of a parameter.
@@ -472,6 +488,15 @@ pub enum Event {
     Pattern(PatternView),
     /// Results side by side, and how far runs have come that give more.
     Comparison(ResultTable),
+    /// How far two places are from each other.
+    Measured {
+        /// Along the straight line between them, in millimetres.
+        straight_mm: f64,
+        /// Along the surface; none where no way along it joins them.
+        along_mm: Option<f64>,
+        /// The way along the surface, in the scene.
+        path: Vec<[f64; 3]>,
+    },
     /// A new scene is there.
     Scene,
 }

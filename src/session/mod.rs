@@ -21,6 +21,7 @@ mod folding;
 mod inputs;
 mod keeping;
 mod layout;
+mod measuring;
 mod message;
 mod method;
 mod notices;
@@ -72,7 +73,7 @@ pub use layout::Layout;
 pub use message::{
     ChangeName, Choice, Command, Condition, DoctorReport, Event, File, FindingText, MeshSummary,
     MethodChoice, NoticeText, PaintChannel, ParamKind, ParamSpec, PatternSize, PieceRow,
-    PresetChoice, RepairChoice, Row, RunRequest, SampleChoice, StageNumber, StageNumbers,
+    PresetChoice, RepairChoice, Row, RunRequest, SampleChoice, Spot, StageNumber, StageNumbers,
     SymmetryChoice, Term, ToolParam, ToolSpec, Value,
 };
 pub use method::Method;
@@ -245,6 +246,7 @@ impl Session {
             Command::ClearCones => self.clear_cones(&mut events),
             Command::TracePath => self.trace_path(&mut events),
             Command::CompareCones => self.compare_cones(&mut events),
+            Command::Measure { from, to } => self.measure(from, to, &mut events),
             Command::SelectSegment { node } => self.select_segment(node, &mut events),
             Command::Sew { patches, joins } => self.sew(patches, joins, &mut events),
             Command::HandOver => self.hand_over(&mut events),
@@ -1051,6 +1053,7 @@ fn goes_along_with_preparing(command: &Command) -> bool {
             | Command::DismissError
             | Command::RenameResult { .. }
             | Command::RemoveResult { .. }
+            | Command::Measure { .. }
     )
 }
 

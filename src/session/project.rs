@@ -174,6 +174,7 @@ pub(super) fn is_kept(command: &Command) -> bool {
             | Command::ShowFinding { .. }
             | Command::ShowPattern { .. }
             | Command::DismissError
+            | Command::Measure { .. }
             | Command::Undo
             | Command::Redo
             | Command::Travel { .. }

@@ -314,11 +314,13 @@ pub fn rim_ribbons(
     bytes
 }
 
-/// The edges between triangles of one patch as ribbons; those on rims are drawn as such.
-pub fn wire_ribbons(scene: &Scene, on_charts: bool) -> Vec<u8> {
+/// The edges between triangles of one patch as ribbons, of one alone where it is given; those on rims are drawn as such.
+pub fn wire_ribbons(scene: &Scene, on_charts: bool, only: Option<u32>) -> Vec<u8> {
     let place = |vertex| if on_charts { chart(scene, vertex) } else { position(scene, vertex) };
+    let is_shown =
+        |&&[a, ..]: &&[u32; 3]| only.is_none_or(|only| scene.vertex_patches[a as usize] == only);
     let mut bytes = Vec::new();
-    for &[a, b, c] in triangles(scene) {
+    for &[a, b, c] in triangles(scene).iter().filter(is_shown) {
         // The triangle across sees the same edge the other way round.
         for (from, to) in [(a, b), (b, c), (c, a)].into_iter().filter(|(from, to)| from < to) {
             let (start, end) = (place(from), place(to));
@@ -354,6 +356,22 @@ pub fn lone_ribbons(lines: impl Iterator<Item = [Vec3; 2]>) -> Vec<u8> {
     let mut bytes = Vec::new();
     lines.for_each(|[start, end]| Ribbon::lone(start, end).push(&mut bytes));
     bytes
+}
+
+/// An open line through places.
+pub fn line_ribbons(line: &[Vec3]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for (i, pair) in line.windows(2).enumerate() {
+        let before = line[i.saturating_sub(1)];
+        let after = line[(i + 2).min(line.len() - 1)];
+        Ribbon { before, after, ..Ribbon::lone(pair[0], pair[1]) }.push(&mut bytes);
+    }
+    bytes
+}
+
+/// Discs at places.
+pub fn disc_ribbons(places: &[Vec3]) -> Vec<u8> {
+    lone_ribbons(places.iter().map(|&place| [place, place]))
 }
 
 /// A closed line through places on the surface.
@@ -470,7 +488,7 @@ mod tests {
         let scene = two_squares();
         let inner = 2;
         let rim_edges_seen = rims(&scene).iter().filter(|[a, b]| a < b).count();
-        let wires = wire_ribbons(&scene, true).len() / RIBBON_STRIDE as usize;
+        let wires = wire_ribbons(&scene, true, None).len() / RIBBON_STRIDE as usize;
         assert_eq!(wires, inner + rim_edges_seen);
     }
 

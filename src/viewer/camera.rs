@@ -3,6 +3,10 @@
 //! The page forwards pointer movements in CSS pixels; everything else about them is decided here, so
 //! that it can be tested without a browser. Screen coordinates have their origin at the top left.
 
+mod looks;
+
+pub use looks::Side;
+
 use glam::camera::rh::{proj::directx, view};
 use glam::{Mat4, Vec2, Vec3};
 
@@ -10,8 +14,13 @@ use glam::{Mat4, Vec2, Vec3};
 const FIELD_OF_VIEW: f32 = 28.0 * std::f32::consts::PI / 180.0;
 /// How much of the view the surface fills after [`Orbit::fit`].
 const FILL: f32 = 0.94;
-/// Turning never quite reaches the poles, where the turntable's sideways direction is lost.
-const MAX_PITCH: f32 = 1.55;
+/// Turning ends above the poles: a hair before them, where heights on the screen still have a direction.
+const MAX_PITCH: f32 = 1.5707;
+/// Where the eye of a parallel view is said to stand, in front of its target: far enough for all lines of sight to be one
+/// within half a degree, near enough for single precision.
+const FAR_EYE: f32 = 100.0;
+/// In a parallel view everything lies within this of the target's plane: the target stays within 2 of the origin.
+const DEPTH: f32 = 7.0;
 /// Distance of the sheet from the edge of its view after [`Sheet::fit`], in CSS pixels: room for the
 /// outer half of an outline.
 const SHEET_MARGIN: f32 = 4.0;
@@ -59,7 +68,7 @@ pub struct Projection {
     pub world_to_view: Mat4,
     /// The eye.
     pub eye: Vec3,
-    /// World length of one device pixel: at distance 1 when `perspective`, everywhere otherwise.
+    /// World length of one device pixel: at distance 1 from the eye when `perspective`, everywhere otherwise.
     pub pixel: f32,
     /// Whether far things are smaller.
     pub perspective: bool,
@@ -74,12 +83,16 @@ pub struct Orbit {
     distance: f32,
     /// Target and distance that frame everything.
     home: (Vec3, f32),
+    /// Whether lines of sight are parallel: sizes are then those at the target's distance.
+    is_orthographic: bool,
 }
 
 impl Default for Orbit {
     fn default() -> Self {
         // Three quarters from the front, a little from above.
-        Self { target: Vec3::ZERO, yaw: 0.55, pitch: 0.26, distance: 1.0, home: (Vec3::ZERO, 1.0) }
+        let home = (Vec3::ZERO, 1.0);
+        let (yaw, pitch) = (0.55, 0.26);
+        Self { target: Vec3::ZERO, yaw, pitch, distance: 1.0, home, is_orthographic: false }
     }
 }
 
@@ -108,12 +121,15 @@ impl Orbit {
         // From the eye at distance d, a point at x to the side and z towards the eye is within the view
         // if |x| <= slope (d - z). Over a circle the bound on d is largest at √(slope⁻² + cos²) to the
         // side, and at the nearest or farthest point up and down.
+        // In a parallel view nearness counts for nothing.
+        let near = if self.is_orthographic { 0.0 } else { 1.0 };
         self.distance = points.map(sweep).fold(1e-3, |distance, (radius, height)| {
             let height = height - middle;
-            let sideways = radius * (slopes.x.powi(-2) + cos * cos).sqrt() + height * sin;
+            let sideways =
+                radius * (slopes.x.powi(-2) + near * cos * cos).sqrt() + near * height * sin;
             let nearest = |side: f32| {
                 let up = height * cos - side * radius * sin;
-                up.abs() / slopes.y + height * sin + side * radius * cos
+                up.abs() / slopes.y + near * (height * sin + side * radius * cos)
             };
             distance.max(sideways).max(nearest(1.0)).max(nearest(-1.0))
         });
@@ -170,7 +186,7 @@ impl Orbit {
     /// The point under a place of the screen that is as far away as the target.
     pub fn beside_target(&self, css: Vec2, viewport: Viewport) -> Vec3 {
         let ray = self.ray(css, viewport);
-        ray.origin + ray.direction * self.distance
+        ray.origin + ray.direction * if self.is_orthographic { DEPTH } else { self.distance }
     }
 
     /// From the target towards the eye.
@@ -181,13 +197,14 @@ impl Orbit {
     }
 
     fn axes(&self) -> (Vec3, Vec3) {
-        let backward = self.backward();
-        let right = Vec3::Y.cross(backward).normalize();
-        (right, backward.cross(right))
+        let (sin, cos) = self.yaw.sin_cos();
+        let right = Vec3::new(cos, 0.0, -sin);
+        (right, self.backward().cross(right))
     }
 
     fn eye(&self) -> Vec3 {
-        self.target + self.backward() * self.distance
+        let distance = if self.is_orthographic { FAR_EYE } else { self.distance };
+        self.target + self.backward() * distance
     }
 
     /// The ray through a place of the screen.
@@ -195,15 +212,22 @@ impl Orbit {
         let ndc = viewport.to_ndc(css);
         let half = (FIELD_OF_VIEW / 2.0).tan();
         let (right, up) = self.axes();
-        let direction =
-            right * (ndc.x * half * viewport.aspect()) + up * (ndc.y * half) - self.backward();
-        Ray { origin: self.eye(), direction }
+        let across = right * (ndc.x * half * viewport.aspect()) + up * (ndc.y * half);
+        let backward = self.backward();
+        if self.is_orthographic {
+            let origin = self.target + across * self.distance + backward * DEPTH;
+            return Ray { origin, direction: -backward };
+        }
+        Ray { origin: self.eye(), direction: across - backward }
     }
 
     /// For the shaders.
     pub fn projection(&self, viewport: Viewport) -> Projection {
+        if self.is_orthographic {
+            return self.parallel(viewport);
+        }
         let eye = self.eye();
-        let world_to_view = view::look_at_mat4(eye, self.target, Vec3::Y);
+        let world_to_view = view::look_to_mat4(eye, -self.backward(), self.axes().1);
         // Everything lies within the unit ball or on the ground not far from it.
         let reach = eye.length();
         let near = (reach - 2.5).max(0.02 * self.distance).max(1e-3);
@@ -215,6 +239,21 @@ impl Orbit {
             world_to_view,
             eye,
             pixel,
+            perspective: true,
+        }
+    }
+
+    /// The same with parallel lines of sight. Shaders that lift lines towards an eye are given one far away.
+    fn parallel(&self, viewport: Viewport) -> Projection {
+        let half = self.distance * (FIELD_OF_VIEW / 2.0).tan();
+        let wide = half * viewport.aspect();
+        let world_to_view = view::look_to_mat4(self.target, -self.backward(), self.axes().1);
+        let clip = directx::orthographic(-wide, wide, -half, half, -DEPTH, DEPTH);
+        Projection {
+            world_to_clip: clip * world_to_view,
+            world_to_view,
+            eye: self.eye(),
+            pixel: 2.0 * half / (viewport.size.y * viewport.scale) / FAR_EYE,
             perspective: true,
         }
     }

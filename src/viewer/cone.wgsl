@@ -39,7 +39,7 @@ fn cone_vertex(
     var corner: Corner;
     let facing = dot(normal.xyz, normalize(to_eye));
     let seen = select(1.0, smoothstep(style.shape.w - 0.1, style.shape.w + 0.1, facing), normal.w > 0.5);
-    if clip.w < NEAR || seen == 0.0 {
+    if clip.w < NEAR || seen == 0.0 || kept(position) < 0.0 {
         corner.clip = vec4f(2.0, 2.0, 2.0, 1.0);
         return corner;
     }

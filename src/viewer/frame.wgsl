@@ -8,13 +8,16 @@ struct Frame {
     viewport: vec4f,
     // Height of the ground, half its side, opacity of its shadow, 1 seen from above and 0 from below.
     ground: vec4f,
-    // 1 with a field; the texture: 0 none, 1 checkerboard, 2 grid, 3 circles, above 3 pixels; side of its cells.
+    // 1 with a field; the texture: 0 none, 1 checkerboard, 2 grid, 3 circles, above 3 pixels; side of its cells; 1 where a
+    // part of the surface is cut away.
     paint: vec4f,
     // Cells that the texture's pixels take across and up; 1 where the chart of the largest weight is drawn alone.
     pixels: vec4f,
     // Colour of a place without value.
     neutral: vec4f,
     warning: vec4f,
+    // Places whose dot product with the first three is more than the last are cut away.
+    clip: vec4f,
 }
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var smooth_sampler: sampler;
@@ -22,6 +25,11 @@ struct Frame {
 @group(0) @binding(3) var shadow: texture_2d<f32>;
 @group(0) @binding(4) var pixels: texture_2d<f32>;
 @group(0) @binding(5) var repeat_sampler: sampler;
+
+// Below 0 where a place is cut away.
+fn kept(place: vec3f) -> f32 {
+    return frame.clip.w - dot(frame.clip.xyz, place);
+}
 
 // Canvases hold encoded sRGB on both backends: decode to compute light, encode to write.
 fn decode(c: vec3f) -> vec3f {

@@ -8,6 +8,7 @@ struct Corner {
     @location(4) uv: vec2f,
     @location(5) weights: vec4f,
     @location(6) to_eye: vec3f,
+    @location(7) kept: f32,
 }
 
 @vertex
@@ -28,6 +29,7 @@ fn layer_vertex(
     corner.uv = uv;
     corner.weights = weights;
     corner.to_eye = (frame.world_to_view * vec4f(frame.eye.xyz - position, 0.0)).xyz;
+    corner.kept = kept(position);
     return corner;
 }
 
@@ -48,6 +50,7 @@ fn layer_chart_vertex(
     corner.uv = uv;
     corner.weights = weights;
     corner.to_eye = vec3f(0.0, 0.0, 1.0);
+    corner.kept = 1.0;
     return corner;
 }
 
@@ -78,7 +81,10 @@ fn layer_colour(corner: Corner) -> vec3f {
 
 // What shares are added to.
 @fragment
-fn layer_ground_fragment() -> @location(0) vec4f {
+fn layer_ground_fragment(corner: Corner) -> @location(0) vec4f {
+    if corner.kept < 0.0 {
+        discard;
+    }
     return vec4f(0.0, 0.0, 0.0, 1.0);
 }
 
@@ -87,8 +93,14 @@ fn layer_fragment(corner: Corner, @builtin(front_facing) is_front: bool) -> @loc
     let colour = layer_colour(corner);
     let part = share(corner.weights);
     let normal = normalize(corner.normal);
+    if corner.kept < 0.0 {
+        discard;
+    }
     if is_front {
         return vec4f(part * lit(colour, normal, corner.to_eye, corner.openness), 0.0);
+    }
+    if frame.paint.w > 0.5 {
+        return vec4f(part * inside(normal, corner.to_eye), 0.0);
     }
     let lining = mix(colour, vec3f(0.5), 0.45);
     return vec4f(part * lit(lining, -normal, corner.to_eye, 0.75), 0.0);

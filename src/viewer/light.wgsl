@@ -19,3 +19,8 @@ fn lit(colour: vec3f, normal: vec3f, to_eye: vec3f, openness: f32) -> vec3f {
     return encode(linear_colour * light + highlight);
 }
 
+
+// What is seen of the inside where a part is cut away: one plain dark colour, with just the light that tells its form.
+fn inside(normal: vec3f, to_eye: vec3f) -> vec3f {
+    return lit(vec3f(0.46, 0.47, 0.51), -normal, to_eye, 0.7);
+}

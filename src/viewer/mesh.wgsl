@@ -8,6 +8,7 @@ struct Corner {
     @location(3) dark: vec3f,
     @location(4) chart: vec2f,
     @location(5) to_eye: vec3f,
+    @location(6) kept: f32,
 }
 
 @vertex
@@ -27,6 +28,7 @@ fn surface_vertex(
     corner.dark = dark.rgb;
     corner.chart = chart;
     corner.to_eye = (frame.world_to_view * vec4f(frame.eye.xyz - position, 0.0)).xyz;
+    corner.kept = kept(position);
     return corner;
 }
 
@@ -45,6 +47,7 @@ fn chart_vertex(
     corner.dark = dark.rgb;
     corner.chart = chart;
     corner.to_eye = vec3f(0.0, 0.0, 1.0);
+    corner.kept = 1.0;
     return corner;
 }
 
@@ -79,10 +82,17 @@ fn own_colour(corner: Corner) -> vec3f {
 
 @fragment
 fn surface_fragment(corner: Corner, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
+    // Before anything is discarded: derivatives need their neighbours.
     let colour = own_colour(corner);
     let normal = normalize(corner.normal);
+    if corner.kept < 0.0 {
+        discard;
+    }
     if is_front {
         return vec4f(lit(colour, normal, corner.to_eye, corner.openness_value.x), 1.0);
+    }
+    if frame.paint.w > 0.5 {
+        return vec4f(inside(normal, corner.to_eye), 1.0);
     }
     // The inside of an open surface: paler, as lining.
     let lining = mix(colour, vec3f(0.5), 0.45);

@@ -19,8 +19,8 @@ const CONE_SHADER: &str = include_str!("cone.wgsl");
 const GROUND_SHADER: &str = include_str!("ground.wgsl");
 
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
-/// Two matrices and seven vectors.
-const FRAME_BYTES: u64 = 2 * 64 + 7 * 16;
+/// Two matrices and eight vectors.
+const FRAME_BYTES: u64 = 2 * 64 + 8 * 16;
 /// Two vectors.
 const STYLE_BYTES: u64 = 32;
 /// Distance between styles in their buffer: the alignment that every device accepts.
@@ -45,10 +45,26 @@ enum Look {
     Cone,
     /// Rim of a chart that fades towards it.
     Hem,
+    /// Cuts of what is hidden beside the one piece that is shown.
+    Ghost,
+    /// The edge and the middle of the place that the pointer has in the other view.
+    MarkerEdge,
+    Marker,
+    MarkerBehind,
+    /// The seam beside the pointer, its light edge, and the thread between its sides.
+    SeamEdge,
+    Seam,
+    Thread,
+    /// A measured way and its ends.
+    PathEdge,
+    Path,
+    PathBehind,
+    PathEndEdge,
+    PathEnd,
 }
 
 impl Look {
-    const ALL: [Self; 14] = [
+    const ALL: [Self; 26] = [
         Self::Wire,
         Self::Casing,
         Self::Cut,
@@ -63,6 +79,18 @@ impl Look {
         Self::BrushBehind,
         Self::Cone,
         Self::Hem,
+        Self::Ghost,
+        Self::MarkerEdge,
+        Self::Marker,
+        Self::MarkerBehind,
+        Self::SeamEdge,
+        Self::Seam,
+        Self::Thread,
+        Self::PathEdge,
+        Self::Path,
+        Self::PathBehind,
+        Self::PathEndEdge,
+        Self::PathEnd,
     ];
 
     /// Colour, opacity, width in CSS pixels.
@@ -84,6 +112,17 @@ impl Look {
             Self::Cone => (accent, 1.0, 0.0),
             // Grey is seen on both grounds.
             Self::Hem => (NEUTRAL.darker(), 0.9, 1.3),
+            Self::Ghost => (NEUTRAL.darker(), 0.45, 1.4),
+            Self::MarkerEdge | Self::PathEndEdge => (CASING, 0.95, 11.0),
+            Self::Marker => (accent, 1.0, 7.0),
+            Self::MarkerBehind => (accent, 0.4, 7.0),
+            Self::SeamEdge => (CASING, 0.9, 6.4),
+            Self::Seam => (accent, 1.0, 4.0),
+            Self::Thread => (accent, 0.9, 1.6),
+            Self::PathEdge => (CASING, 0.9, 5.0),
+            Self::Path => (CUT, 1.0, 2.4),
+            Self::PathBehind => (CUT, 0.3, 2.4),
+            Self::PathEnd => (CUT, 1.0, 7.0),
         }
     }
 
@@ -107,6 +146,30 @@ impl Look {
         bytes
     }
 }
+
+/// What the pointer shows, from below to above.
+const SEAM: [(Part, Look); 2] = [(Part::Seam, Look::SeamEdge), (Part::Seam, Look::Seam)];
+const POINTED_BEHIND: [(Part, Look); 2] =
+    [(Part::Path, Look::PathBehind), (Part::Marker, Look::MarkerBehind)];
+const POINTED: [(Part, Look); 6] = [
+    (Part::Path, Look::PathEdge),
+    (Part::Path, Look::Path),
+    (Part::PathEnds, Look::PathEndEdge),
+    (Part::PathEnds, Look::PathEnd),
+    (Part::Marker, Look::MarkerEdge),
+    (Part::Marker, Look::Marker),
+];
+const POINTED_ON_CHARTS: [(Part, Look); 9] = [
+    (Part::ChartSeam, Look::SeamEdge),
+    (Part::ChartSeam, Look::Seam),
+    (Part::SeamThread, Look::Thread),
+    (Part::ChartPath, Look::PathEdge),
+    (Part::ChartPath, Look::Path),
+    (Part::ChartPathEnds, Look::PathEndEdge),
+    (Part::ChartPathEnds, Look::PathEnd),
+    (Part::ChartMarker, Look::MarkerEdge),
+    (Part::ChartMarker, Look::Marker),
+];
 
 /// The device's copy of a [`Part`].
 #[derive(Debug, Default)]
@@ -211,7 +274,7 @@ impl Painter {
             pixels,
             frame_group,
             style_group,
-            copies: Default::default(),
+            copies: std::array::from_fn(|_| Copy::default()),
             targets: Targets { size: UVec2::ZERO, colour: None, depth: None },
         }
     }
@@ -285,17 +348,21 @@ impl Painter {
                     }
                     if !shows_layers {
                         // What blends has no cuts.
+                        self.draw_ribbons(&mut pass, Part::Ghost, Look::Ghost);
                         self.draw_ribbons(&mut pass, Part::Cuts, Look::Casing);
                         self.draw_ribbons(&mut pass, Part::Cuts, Look::Cut);
                     }
                     self.draw_ribbons(&mut pass, Part::Outline, Look::Outline);
+                    self.draw_all(&mut pass, &SEAM);
                     pass.set_pipeline(cone);
                     self.draw_cones(&mut pass, Part::Cones);
                     pass.set_pipeline(ribbon_behind);
                     self.draw_ribbons(&mut pass, Part::Brush, Look::BrushBehind);
                     self.draw_ribbons(&mut pass, Part::MarkSegments, Look::MarkLineBehind);
                     self.draw_ribbons(&mut pass, Part::MarkPoints, Look::MarkPointBehind);
+                    self.draw_all(&mut pass, &POINTED_BEHIND);
                     pass.set_pipeline(ribbon);
+                    self.draw_all(&mut pass, &POINTED);
                     self.draw_ribbons(&mut pass, Part::MarkSegments, Look::MarkLine);
                     self.draw_ribbons(&mut pass, Part::MarkPoints, Look::MarkPoint);
                     self.draw_ribbons(&mut pass, Part::Brush, Look::BrushEdge);
@@ -329,6 +396,8 @@ impl Painter {
                     self.draw_ribbons(&mut pass, Part::ChartOutline, Look::Outline);
                     pass.set_pipeline(cone);
                     self.draw_cones(&mut pass, Part::ChartCones);
+                    pass.set_pipeline(ribbon);
+                    self.draw_all(&mut pass, &POINTED_ON_CHARTS);
                 }
             }
         }
@@ -345,6 +414,7 @@ impl Painter {
                     Part::Charts,
                     Part::Triangles,
                     Part::Cuts,
+                    Part::Ghost,
                     Part::Outline,
                     Part::MarkPoints,
                     Part::MarkSegments,
@@ -372,7 +442,17 @@ impl Painter {
             View::Flat => &[Part::LayerVertices, Part::LayerChartTriangles, Part::LayerRims],
         };
         let wires = stage.shows_wireframe().then_some(wires);
-        parts.iter().chain(layers).copied().chain(wires).collect()
+        let pointed: Vec<Part> = match self.view {
+            View::Surface => SEAM.iter().chain(&POINTED).map(|(part, _)| *part).collect(),
+            View::Flat => POINTED_ON_CHARTS.iter().map(|(part, _)| *part).collect(),
+        };
+        parts.iter().chain(layers).copied().chain(wires).chain(pointed).collect()
+    }
+
+    fn draw_all(&self, pass: &mut wgpu::RenderPass, ribbons: &[(Part, Look)]) {
+        for &(part, look) in ribbons {
+            self.draw_ribbons(pass, part, look);
+        }
     }
 
     fn draw_triangles(&self, pass: &mut wgpu::RenderPass, corners: &[Part], triangles: Part) {
@@ -444,10 +524,20 @@ impl Painter {
             [eye.x, eye.y, eye.z, switch(projection.perspective)],
             [size.x as f32, size.y as f32, viewport.scale, projection.pixel],
             [stage.ground(), SHADOW_REACH, theme.shadow, above],
-            [switch(stage.shows_field()), stage.texture().number(), stage.cell(), 0.0],
+            [
+                switch(stage.shows_field()),
+                stage.texture().number(),
+                stage.cell(),
+                switch(stage.is_clipped() && self.view == View::Surface),
+            ],
             [cells[0], cells[1], switch(stage.layer_mode() == LayerMode::Hard), 0.0],
             arrays::opaque(NEUTRAL, 1.0),
             arrays::opaque(WARNING, 1.0),
+            match self.view {
+                View::Surface => stage.clip_plane().to_array(),
+                // Nothing is cut away from the sheet.
+                View::Flat => [0.0, 0.0, 0.0, 1.0],
+            },
         ] {
             arrays::push_floats(&mut bytes, &numbers);
         }

@@ -68,6 +68,17 @@ impl Hierarchy {
         triangles: &[[u32; 3]],
         position: impl Fn(u32) -> Vec3,
     ) -> Option<Hit> {
+        self.cast_where(ray, triangles, position, |_| true)
+    }
+
+    /// The same among hits that `accept` takes: not those that are cut away or hidden.
+    pub fn cast_where(
+        &self,
+        ray: Ray,
+        triangles: &[[u32; 3]],
+        position: impl Fn(u32) -> Vec3,
+        accept: impl Fn(&Hit) -> bool,
+    ) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         let inverse = ray.direction.recip();
         let mut stack = Vec::with_capacity(64);
@@ -89,7 +100,7 @@ impl Hierarchy {
                 let is_better = best.is_none_or(|best| {
                     (hit.distance, best.triangle) < (best.distance, hit.triangle)
                 });
-                if is_better {
+                if is_better && accept(&hit) {
                     best = Some(hit);
                 }
             }
@@ -233,6 +244,22 @@ mod tests {
         let tree = Hierarchy::new(&triangles, position);
         let ray = Ray { origin: Vec3::new(0.2, 0.2, 1.0), direction: Vec3::NEG_Z };
         assert_eq!(tree.cast(ray, &triangles, position).map(|hit| hit.triangle), Some(2));
+    }
+
+    #[test]
+    fn a_ray_goes_on_through_what_is_not_accepted() {
+        let points =
+            [0.0, 1.0, 2.0].map(|z| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + z * Vec3::Z));
+        let position = |i: u32| points.as_flattened()[i as usize];
+        let triangles = [[0, 1, 2], [3, 4, 5], [6, 7, 8]];
+        let tree = Hierarchy::new(&triangles, position);
+        let ray = Ray { origin: Vec3::new(0.2, 0.2, 5.0), direction: Vec3::NEG_Z };
+        let met = |accept: &dyn Fn(&Hit) -> bool| {
+            tree.cast_where(ray, &triangles, position, accept).map(|hit| hit.triangle)
+        };
+        assert_eq!(met(&|hit| hit.distance > 3.5), Some(1));
+        assert_eq!(met(&|hit| hit.triangle == 0), Some(0));
+        assert_eq!(met(&|_| false), None);
     }
 
     #[test]

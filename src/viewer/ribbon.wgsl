@@ -17,6 +17,7 @@ struct Corner {
     // Directions that halve the joints at start and end, in the frame of `place`; 0 without joint.
     @location(2) @interpolate(flat) joints: vec4f,
     @location(3) colour: vec4f,
+    @location(4) kept: f32,
 }
 
 fn lifted(place: vec3f, half_width: f32) -> vec4f {
@@ -105,6 +106,7 @@ fn ribbon_vertex(
     let normal = select(start_normal, end_normal, is_end);
     let facing = dot(normal.xyz, normalize(frame.eye.xyz - place));
     let seen = select(1.0, smoothstep(style.shape.w - 0.15, style.shape.w, facing), normal.w > 0.5);
+    corner.kept = kept(place);
     let own = select(style.colour.rgb, colour.rgb, style.shape.y > 0.5);
     corner.colour = vec4f(own, style.colour.a * seen);
     return corner;
@@ -116,6 +118,9 @@ fn ribbon_fragment(corner: Corner) -> @location(0) vec4f {
     let from_start = corner.place;
     let from_end = corner.place - vec2f(corner.length, 0.0);
     if dot(from_start, corner.joints.xy) < -0.03 || dot(from_end, corner.joints.zw) > 0.03 {
+        discard;
+    }
+    if corner.kept < 0.0 {
         discard;
     }
     let nearest = vec2f(corner.place.x - clamp(corner.place.x, 0.0, corner.length), corner.place.y);

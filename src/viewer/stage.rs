@@ -4,6 +4,12 @@
 //! stamps; bytes are made when a view is drawn, so that a scene which is overtaken by a newer one
 //! before the next frame costs next to nothing.
 
+mod looking;
+mod pointing;
+
+pub use looking::{Clip, ClipAxis};
+pub use pointing::{MOST_PINS, PinLabel, Pointed, Seam};
+
 use super::arrays::{self, NONE, RimChoice, SceneError};
 use super::brush::{self, Stroke};
 use super::camera::{Orbit, Projection, Ray, Sheet, Viewport};
@@ -102,6 +108,8 @@ pub enum Part {
     Cuts,
     /// Rims of the charts.
     ChartRims,
+    /// Cuts of what is hidden beside the one piece that is shown.
+    Ghost,
     /// Rim of the patch under the pointer, on the surface.
     Outline,
     /// The same on the sheet.
@@ -118,6 +126,24 @@ pub enum Part {
     Ramp,
     /// The ring of the brush.
     Brush,
+    /// On the surface, the place under the pointer that is over the sheet.
+    Marker,
+    /// The other way round.
+    ChartMarker,
+    /// The seam beside the pointer, on the surface.
+    Seam,
+    /// Both its sides on the sheet.
+    ChartSeam,
+    /// The bow between them.
+    SeamThread,
+    /// A measured way along the surface.
+    Path,
+    /// The straight line between its ends on the sheet.
+    ChartPath,
+    /// The ends on the surface.
+    PathEnds,
+    /// The ends on the sheet.
+    ChartPathEnds,
     /// Cones on the surface.
     Cones,
     /// Cones on the sheet.
@@ -185,6 +211,8 @@ pub struct Stage {
     cone_marks: Marks,
     /// The cone that is on its way to another place.
     drag: Option<Drag>,
+    looking: looking::Looking,
+    pointing: pointing::Pointing,
     stamps: [u64; Part::COUNT],
     dirty: [bool; 2],
 }
@@ -215,6 +243,8 @@ impl Default for Stage {
             stroke: None,
             cone_marks: Marks::default(),
             drag: None,
+            looking: looking::Looking::default(),
+            pointing: pointing::Pointing::default(),
             stamps: [1; Part::COUNT],
             dirty: [true; 2],
         }
@@ -260,6 +290,8 @@ impl Stage {
         self.stamp(patches || values, &[Part::Paint]);
         self.stamp(charts, &[Part::Charts]);
         self.stamp(triangles, &[Part::Triangles, Part::Wires]);
+        let isolates = (patches || rims || places) && self.looking.isolated != NONE;
+        self.stamp(isolates, &[Part::Triangles, Part::Wires, Part::Ghost]);
         self.stamp(charts || triangles, &[Part::ChartTriangles, Part::FlippedTriangles]);
         self.stamp(charts || triangles, &[Part::ChartWires]);
         self.stamp(places || rims || patches, &[Part::Cuts, Part::Outline]);
@@ -291,6 +323,10 @@ impl Stage {
             self.fit_orbit();
             self.sheet_is_fitted = true;
         }
+        if places || charts || triangles || rims || is_first {
+            self.point_at_scene(is_first, triangles, rims);
+        }
+        self.look_at_scene(is_first);
         if had_layers != (self.scene.layers.is_some() && self.scene.field.is_none())
             && self.layer_mode != LayerMode::Pieces
         {
@@ -374,6 +410,7 @@ impl Stage {
         let had_layers = self.shows_layers();
         self.layer_mode = mode;
         if had_layers != self.shows_layers() {
+            self.stamp_isolation();
             self.sheet_is_fitted = true;
             self.sheet.fit(self.bounds(), self.viewport(View::Flat));
         }
@@ -523,7 +560,7 @@ impl Stage {
         let viewport = self.viewport(View::Surface);
         if !viewport.is_empty() {
             let mut orbit = self.orbit;
-            orbit.fit(self.points(), viewport);
+            self.frame_shown(&mut orbit);
             self.orbit = orbit;
             self.orbit_is_fitted = true;
         }
@@ -537,6 +574,7 @@ impl Stage {
             return None;
         }
         self.dirty[view as usize] = true;
+        self.looking.end_flight(view);
         // What hides a cone depends on where one looks from.
         self.stamp(view == View::Surface, &[Part::Cones]);
         Some(viewport)
@@ -585,9 +623,13 @@ impl Stage {
             View::Surface => &|vertex| arrays::position(scene, vertex),
             View::Flat => &|vertex| arrays::chart(scene, vertex),
         };
-        let hierarchy =
-            self.hierarchies[view as usize].get_or_insert_with(|| Hierarchy::new(triangles, place));
-        hierarchy.cast(ray, triangles, place)
+        self.hierarchies[view as usize].get_or_insert_with(|| Hierarchy::new(triangles, place));
+        let hierarchy = self.hierarchies[view as usize].as_ref()?;
+        hierarchy.cast_where(ray, triangles, place, |hit| {
+            // Through what is cut away or hidden one sees what is behind it.
+            let met = ray.origin + ray.direction * hit.distance;
+            view == View::Flat || (self.keeps(met) && self.shows_patch_of(hit))
+        })
     }
 
     /// The place on the surface of a hit in either view.
@@ -659,7 +701,19 @@ impl Stage {
 
     fn glyphs(&self, view: View) -> Vec<Glyph> {
         match view {
-            View::Surface => cones::on_surface(&self.scene, self.drag),
+            View::Surface => {
+                let mut glyphs = cones::on_surface(&self.scene, self.drag);
+                if let Some(patch) = self.isolated() {
+                    let is_there = |&&[vertex, _]: &&[u32; 2]| {
+                        self.scene.vertex_patches[vertex as usize] == patch
+                    };
+                    let places: &[[u32; 2]] = self.scene.cone_charts.as_chunks().0;
+                    let there: Vec<u32> =
+                        places.iter().filter(is_there).map(|&[_, cone]| cone).collect();
+                    glyphs.retain(|glyph| there.contains(&glyph.cone));
+                }
+                glyphs
+            }
             View::Flat => cones::on_charts(&self.scene, self.drag),
         }
     }
@@ -691,7 +745,8 @@ impl Stage {
                 |hit: Hit| hit.distance < 1.0 - cones::dent(angle, &projection, viewport);
             let ray = Ray { origin: projection.eye, direction };
             let is_turned = !cones::faces(glyph, projection.eye);
-            if is_turned || self.cast(view, ray).is_some_and(is_behind) {
+            if is_turned || !self.keeps(glyph.place) || self.cast(view, ray).is_some_and(is_behind)
+            {
                 return None;
             }
         }
@@ -867,7 +922,9 @@ impl Stage {
         let scene = &self.scene;
         let rims =
             |choice, on_charts| arrays::rim_ribbons(scene, &self.neighbours, choice, on_charts);
-        let hovered = RimChoice::Patch(self.hover);
+        // A seam beside the pointer is shown in place of the whole outline.
+        let hovered = RimChoice::Patch(if self.pointing.has_seam() { NONE } else { self.hover });
+        let isolated = self.isolated();
         match part {
             Part::Geometry => match &mut self.occlusion {
                 Some(occlusion) => arrays::geometry(scene, occlusion),
@@ -875,18 +932,29 @@ impl Stage {
             },
             Part::Paint => arrays::paint(scene),
             Part::Charts => arrays::charts(scene),
-            Part::Triangles => arrays::indices(arrays::triangles(scene)),
+            Part::Triangles => self.shown_triangles(),
             Part::ChartTriangles => arrays::indices(&arrays::chart_triangles(scene)[0]),
             Part::FlippedTriangles => arrays::indices(&arrays::chart_triangles(scene)[1]),
-            Part::Cuts => rims(RimChoice::Cuts, false),
+            Part::Cuts => rims(isolated.map_or(RimChoice::Cuts, RimChoice::Patch), false),
+            Part::Ghost if isolated.is_some() => rims(RimChoice::Cuts, false),
+            Part::Ghost => Vec::new(),
             Part::ChartRims => rims(RimChoice::All, true),
             Part::Outline => rims(hovered, false),
             Part::ChartOutline => rims(hovered, true),
-            Part::Wires => arrays::wire_ribbons(scene, false),
-            Part::ChartWires => arrays::wire_ribbons(scene, true),
+            Part::Wires => arrays::wire_ribbons(scene, false, isolated),
+            Part::ChartWires => arrays::wire_ribbons(scene, true, None),
             Part::MarkPoints => arrays::mark_point_ribbons(scene),
             Part::MarkSegments => arrays::mark_segment_ribbons(scene),
             Part::Brush => arrays::ring_ribbons(&self.ring),
+            Part::Marker
+            | Part::ChartMarker
+            | Part::Seam
+            | Part::ChartSeam
+            | Part::SeamThread
+            | Part::Path
+            | Part::ChartPath
+            | Part::PathEnds
+            | Part::ChartPathEnds => self.pointed_bytes(part),
             Part::Cones => {
                 let glyphs = self.glyphs_in_sight();
                 cones::bytes(&self.scene, glyphs, self.cone_marks, self.viewport(View::Surface))
@@ -937,7 +1005,7 @@ mod tests {
     use super::*;
     use crate::session::scene::FieldScene;
 
-    fn stage(scene: Scene) -> Stage {
+    pub(super) fn stage(scene: Scene) -> Stage {
         let mut stage = Stage::default();
         for view in View::ALL {
             stage.resize(view, Viewport { size: Vec2::new(500.0, 300.0), scale: 1.0 });

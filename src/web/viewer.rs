@@ -4,13 +4,13 @@
 
 use crate::session::scene::{FieldScene, LayerScene, PatchScene, Scene};
 use crate::viewer::arrays::NONE;
-use crate::viewer::camera::Viewport;
+use crate::viewer::camera::{Side, Viewport};
 use crate::viewer::canvas::{Backend, Canvas};
 use crate::viewer::cones::Marks;
 use crate::viewer::layers::LayerMode;
 use crate::viewer::pixels::Pixels;
-use crate::viewer::stage::{Pick, Stage, Texture, View};
-use glam::Vec2;
+use crate::viewer::stage::{Clip, ClipAxis, Pick, Stage, Texture, View};
+use glam::{Vec2, Vec3};
 use js_sys::{Array, Float32Array, Object, Reflect, Uint32Array};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
@@ -145,6 +145,124 @@ impl Viewer {
         self.stage.pick(at(view), Vec2::new(x, y)).map_or(JsValue::UNDEFINED, pick_object)
     }
 
+    /// Points at a place: what lies there is marked in the other view, and a seam within `reach` pixels in both. Gives an object like
+    /// that of `pick`, without its members where there is nothing, with `value` (NaN where there is no field), and `seam` beside it:
+    /// `{a, b, length}`, two patches and a length in the unit of the scene.
+    pub fn point(&mut self, view: u32, x: f32, y: f32, reach: f32) -> JsValue {
+        let pointed = self.stage.point(at(view), Vec2::new(x, y), reach);
+        let object = pointed.pick.map_or_else(|| Object::new().into(), pick_object);
+        set(&object, "value", f64::from(pointed.value));
+        if let Some(seam) = pointed.seam {
+            let item = Object::new().into();
+            set(&item, "a", f64::from(seam.patches[0]));
+            set(&item, "b", f64::from(seam.patches[1]));
+            set(&item, "length", f64::from(seam.length));
+            let _ = Reflect::set(&object, &"seam".into(), &item);
+        }
+        object
+    }
+
+    /// Points at nothing.
+    pub fn point_away(&mut self) {
+        self.stage.point_away();
+    }
+
+    /// Pins the value of the field at a place. Gives the pin's number, -1 where there is nothing to pin.
+    pub fn add_pin(&mut self, view: u32, x: f32, y: f32) -> i32 {
+        let pin = self.stage.add_pin(at(view), Vec2::new(x, y));
+        pin.and_then(|pin| i32::try_from(pin).ok()).unwrap_or(-1)
+    }
+
+    /// Takes a pin away.
+    pub fn remove_pin(&mut self, pin: u32) {
+        self.stage.remove_pin(pin);
+    }
+
+    /// `[pin, x, y, value, 1 where the surface hides the point]` of the pins within a view.
+    pub fn pin_labels(&mut self, view: u32) -> Vec<f32> {
+        let labels = self.stage.pin_labels(at(view)).into_iter().map(|label| {
+            let is_hidden = f32::from(u8::from(label.is_hidden));
+            [label.pin as f32, label.place.x, label.place.y, label.value, is_hidden]
+        });
+        labels.flatten().collect()
+    }
+
+    /// Sets an end of what is to be measured; a third one begins anew. Gives what lies there, as `pick` does.
+    pub fn add_end(&mut self, view: u32, x: f32, y: f32) -> JsValue {
+        self.stage.add_end(at(view), Vec2::new(x, y)).map_or(JsValue::UNDEFINED, pick_object)
+    }
+
+    /// How many ends of what is measured there are: a new scene may lose some.
+    pub fn end_count(&self) -> u32 {
+        self.stage.end_count() as u32
+    }
+
+    /// The way along the surface between both ends: x, y, z of each of its points.
+    pub fn set_path(&mut self, points: &[f32]) {
+        let points: &[[f32; 3]] = points.as_chunks().0;
+        self.stage.set_path(points.iter().copied().map(Vec3::from_array).collect());
+    }
+
+    /// Measures nothing.
+    pub fn clear_measure(&mut self) {
+        self.stage.clear_measure();
+    }
+
+    /// Length of the straight line between both ends on one chart, in the unit of the scene; NaN where they lie on two.
+    pub fn chart_length(&self) -> f32 {
+        self.stage.chart_length()
+    }
+
+    /// `[x, y]` of the label of what is measured, empty where a view has none.
+    pub fn measure_label(&self, view: u32) -> Vec<f32> {
+        self.stage.measure_label(at(view)).map_or_else(Vec::new, |css| css.to_array().to_vec())
+    }
+
+    /// Parallel lines of sight on the surface.
+    pub fn set_orthographic(&mut self, on: bool) {
+        self.stage.set_orthographic(on);
+    }
+
+    /// Sends the camera to `front`, `back`, `left`, `right`, `top` or `bottom`; `fly` takes it there.
+    pub fn fly_to_side(&mut self, name: &str) -> Result<(), JsError> {
+        let side = Side::from_name(name)
+            .ok_or_else(|| JsError::new(&format!("no side is called {name}")))?;
+        self.stage.fly_to_side(side);
+        Ok(())
+    }
+
+    /// Sends both cameras to a piece; false where there is no such piece.
+    pub fn fly_to_patch(&mut self, patch: u32) -> bool {
+        self.stage.fly_to_patch(patch)
+    }
+
+    /// Sends the camera of a view to where it frames everything.
+    pub fn fly_home(&mut self, view: u32) {
+        self.stage.fly_home(at(view));
+    }
+
+    /// Takes the cameras to a part of their way, 0 to 1; true while there is more of it.
+    pub fn fly(&mut self, part: f32) -> bool {
+        self.stage.fly(part)
+    }
+
+    /// Shows one piece alone on the surface; -1 for all.
+    pub fn set_isolated(&mut self, patch: i32) {
+        self.stage.set_isolated(u32::try_from(patch).ok());
+    }
+
+    /// The piece that is shown alone, -1 for none.
+    pub fn isolated(&self) -> i32 {
+        self.stage.isolated().and_then(|patch| i32::try_from(patch).ok()).unwrap_or(-1)
+    }
+
+    /// Cuts a part of the surface away by a plane straight to `x`, `y`, `z` or `view`; `none` for nothing. `kept` of the extent
+    /// stays, 0 to 1; `is_turned` keeps the other side.
+    pub fn set_clip(&mut self, axis: &str, kept: f32, is_turned: bool) {
+        let clip = ClipAxis::from_name(axis).map(|axis| Clip { axis, kept, is_turned });
+        self.stage.set_clip(clip);
+    }
+
     /// Lays the ring of the brush around what is under a place of the surface view; true if there is something.
     /// A radius of 0 takes it away.
     pub fn set_brush(&mut self, x: f32, y: f32, radius: f32) -> bool {
@@ -235,6 +353,11 @@ fn pick_object(pick: Pick) -> JsValue {
         let _ = Reflect::set(&object, &name.into(), &value.into());
     }
     object.into()
+}
+
+fn set(object: &JsValue, name: &str, value: f64) {
+    // Cannot fail on an object made just now.
+    let _ = Reflect::set(object, &name.into(), &value.into());
 }
 
 fn at(view: u32) -> View {

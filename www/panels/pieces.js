@@ -5,8 +5,10 @@ import { count, measure, percent, short } from "../format.js";
 
 const INTERVAL = 125;
 
-/** `hover(patch)` is called with the piece under the pointer or the focus, -1 for none. */
-export function piecesPanel(host, hover) {
+/**
+ * `hover(patch)` is called with the piece under the pointer or the focus, -1 for none; `fly(patch)` on Enter and double click, `isolate(patch)` on I.
+ */
+export function piecesPanel(host, hover, { fly, isolate }) {
   let pieces = [];
   let lit = -1;
   const body = h("tbody");
@@ -31,10 +33,41 @@ export function piecesPanel(host, hover) {
       const [bar, value] = [h("i", { class: "bar" }), h("span")];
       u.append(bar, value);
       const head = h("th", { scope: "row" }, chip, h("span", {}, count(n + 1)), warning);
-      const row = h("tr", { onpointerenter: () => hover(n), onpointerleave: () => hover(-1) }, head, area, seam, u);
+      const row = h(
+        "tr",
+        {
+          // One stop of the Tab key for the whole table; arrows go from row to row.
+          tabindex: n === 0 ? "0" : "-1",
+          "aria-keyshortcuts": "Enter I",
+          onpointerenter: () => hover(n),
+          onpointerleave: () => hover(-1),
+          ondblclick: () => fly(n),
+          onfocus: () => hover(n),
+          onblur: () => hover(-1),
+          onkeydown: (event) => press(event, n),
+        },
+        head,
+        area,
+        seam,
+        u,
+      );
       lines.push({ row, chip, warning, area, seam, bar, value });
     }
     return lines[i];
+  }
+
+  function press(event, n) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const to = { ArrowDown: n + 1, ArrowUp: n - 1, Home: 0, End: pieces.length - 1 }[event.key];
+    if (to !== undefined) {
+      const { row } = lines[Math.min(Math.max(to, 0), pieces.length - 1)];
+      for (const { row: other } of lines) other.tabIndex = other === row ? 0 : -1;
+      row.focus();
+    } else if (event.key === "Enter") fly(n);
+    else if (event.key === "i" || event.key === "I") isolate(n);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
   }
 
   const redraw = paced(INTERVAL, () => {
@@ -53,6 +86,8 @@ export function piecesPanel(host, hover) {
     });
     if (body.childElementCount !== pieces.length) {
       body.replaceChildren(...lines.slice(0, pieces.length).map(({ row }) => row));
+      // The stop of the Tab key may have been in a row that is gone.
+      if (lines.length > 0 && !body.querySelector("[tabindex='0']")) lines[0].row.tabIndex = 0;
     }
   });
 
