@@ -44,8 +44,10 @@ for (const renderer of RENDERERS) {
       await nextFrames();
       return decodePng(await page.canvas(label).screenshot());
     }
+    /** Takes pointer and focus out of the views: the ring around a canvas in focus is no part of its picture. */
     async function away() {
       await browser.page.mouse.move(5, 5);
+      await browser.page.evaluate(() => document.activeElement.blur());
       await nextFrames();
     }
     async function choose(name) {
