@@ -488,6 +488,7 @@ export class Views {
     if (isCone) this.#viewer.point_away();
     const pointed = isCone ? {} : this.#viewer.point(at.view, at.x, at.y, SEAM_PX);
     const patch = pointed.patch ?? -1;
+    this.look.pointedAt(pointed.seam?.a ?? -1);
     this.setHover(patch);
     if (cone >= 0) this.#showTip(at, this.#on.describeCone(cone));
     else this.#showTip(at, patch < 0 && !pointed.seam ? [] : this.#on.describe(patch, pointed));

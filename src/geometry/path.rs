@@ -44,23 +44,31 @@ pub fn shortest_path(
         let length = (to.place - from.place).norm();
         return Some(SurfacePath { length, points: vec![from.place, to.place] });
     }
-    let mut strip = first_strip(mesh, geometry, &from, &to)?;
-    let mut best: Option<(Taut, Vec<FaceId>)> = None;
+    // Fronts from either end may come by different sides of a bump.
+    let there = one_way(mesh, geometry, &from, &to)?;
+    let mut back = one_way(mesh, geometry, &to, &from)?;
+    back.points.reverse();
+    Some(if back.length < there.length { back } else { there })
+}
+
+/// The way that a front from the first end begins with.
+fn one_way(mesh: &Mesh, geometry: &Geometry, from: &End, to: &End) -> Option<SurfacePath> {
+    let mut strip = first_strip(mesh, geometry, from, to)?;
+    let mut best: Option<Taut> = None;
     loop {
-        let taut = Taut::new(mesh, geometry, &strip, &from, &to)?;
-        if best.as_ref().is_some_and(|(known, _)| taut.length >= known.length) {
+        let taut = Taut::new(mesh, geometry, &strip, from, to)?;
+        if best.as_ref().is_some_and(|known| taut.length >= known.length) {
             break;
         }
         let next = around(mesh, geometry, &strip, &taut);
-        best = Some((taut, strip));
+        best = Some(taut);
         match next {
             Some(next) => strip = next,
             None => break,
         }
     }
-    let (taut, _) = best?;
-    let points = taut.points(geometry, &from, &to);
-    Some(SurfacePath { length: taut.length, points })
+    let taut = best?;
+    Some(SurfacePath { length: taut.length, points: taut.points(geometry, from, to) })
 }
 
 struct End {
