@@ -14,6 +14,7 @@ mod brought;
 mod charting;
 mod cones;
 mod cut_file;
+mod digest;
 mod doctor;
 mod document;
 mod folding;
