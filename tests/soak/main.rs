@@ -149,7 +149,11 @@ fn fuzz(start: Instant, time: Duration, seed: u64, findings: &mut Findings) {
         let seconds = begin.elapsed().as_secs_f64();
         let (n, loaded) = (target.executions, target.loaded);
         let part = 100.0 * loaded as f64 / n as f64;
-        println!("fuzz {:<14} {n:>10} executions, {:>8.0} /s, {part:.0} % read", target.name, n as f64 / seconds);
+        println!(
+            "fuzz {:<14} {n:>10} executions, {:>8.0} /s, {part:.0} % read",
+            target.name,
+            n as f64 / seconds
+        );
     }
     let all: u64 = targets.iter().map(|target| target.executions).sum();
     println!("fuzz all            {all:>10} executions in {:.0} s", start.elapsed().as_secs_f64());
@@ -180,7 +184,11 @@ fn memory(findings: &mut Findings) {
         if number % 100 == 0 && number > 0 {
             let resident = cycles::resident().unwrap_or(0);
             let held = HELD.load(Ordering::Relaxed);
-            println!("cycle {number:>5}: {:.1} MB resident, {:.1} MB held", resident as f64 / 1e6, held as f64 / 1e6);
+            println!(
+                "cycle {number:>5}: {:.1} MB resident, {:.1} MB held",
+                resident as f64 / 1e6,
+                held as f64 / 1e6
+            );
             marks.push(resident);
         }
     }

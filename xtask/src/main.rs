@@ -13,6 +13,7 @@ mod browser;
 mod build;
 mod compiler;
 mod debian;
+mod dependencies;
 mod dist;
 mod process;
 mod project;

@@ -149,7 +149,9 @@ impl Dice {
         Some(match name {
             "hello" => Command::Hello,
             // The samples themselves are large; documents are small here.
-            "open_sample" => Command::OpenSample { name: self.of(&["", "moon", "BALL"]).to_owned() },
+            "open_sample" => {
+                Command::OpenSample { name: self.of(&["", "moon", "BALL"]).to_owned() }
+            }
             "set_parameter" => self.parameter(),
             "hold" => Command::Hold { is_held: self.once_in(2) },
             "run" => Command::Run,
@@ -159,7 +161,8 @@ impl Dice {
             "show_field" => {
                 let fields = ["pieces", "u", "curvature", "phi", "area", "stretch", "isometry"];
                 let more = ["angle", "importance", "phase", "weight", "penalty", "heat", "regions"];
-                let last = ["yamabe", "normal_error", "adjoint", "flux", "velocity", "level", "moved"];
+                let last =
+                    ["yamabe", "normal_error", "adjoint", "flux", "velocity", "level", "moved"];
                 Command::ShowField { id: self.word(&[fields, more, last].concat()) }
             }
             "undo" => Command::Undo,
@@ -182,13 +185,22 @@ impl Dice {
                 });
                 let ids: Vec<String> = ids.unwrap_or_default();
                 let id = match ids.is_empty() || self.once_in(5) {
-                    true => self.word(&["weld:0", "weld:0.3", "weld:nan", "fill_holes", "keep_component:99", "keep_largest"]),
+                    true => self.word(&[
+                        "weld:0",
+                        "weld:0.3",
+                        "weld:nan",
+                        "fill_holes",
+                        "keep_component:99",
+                        "keep_largest",
+                    ]),
                     false => ids[self.below(ids.len())].clone(),
                 };
                 Command::Repair { id }
             }
             "repair_all" => Command::RepairAll,
-            "set_unit" => Command::SetUnit { id: self.word(&["none", "mm", "cm", "m", "in", "inch"]) },
+            "set_unit" => {
+                Command::SetUnit { id: self.word(&["none", "mm", "cm", "m", "in", "inch"]) }
+            }
             "set_size" => {
                 let value = if self.once_in(3) { self.number() } else { 1.0 + 500.0 * self.part() };
                 Command::SetSize { axis: self.index(3), value }
@@ -243,7 +255,8 @@ impl Dice {
             "show_pattern" => Command::ShowPattern { is_shown: self.once_in(2) },
             "nest" => Command::Nest,
             "apply_trade" => {
-                let trades = ["plain", "plush", "garment", "upholstery", "leather", "paper", "sheet_metal"];
+                let trades =
+                    ["plain", "plush", "garment", "upholstery", "leather", "paper", "sheet_metal"];
                 Command::ApplyTrade { id: self.word(&trades) }
             }
             "set_seam_allowance" => {
@@ -287,7 +300,8 @@ impl Dice {
     fn prepare(&mut self, session: &Session) -> Command {
         // Documents stay small.
         let is_large = session.document().is_some_and(|d| d.triangles.len() > 500);
-        let tools: &[&str] = if is_large { &["decimate"] } else { &["subdivide", "refine", "remesh", "decimate"] };
+        let tools: &[&str] =
+            if is_large { &["decimate"] } else { &["subdivide", "refine", "remesh", "decimate"] };
         let tool = self.word(tools);
         let mut values = BTreeMap::new();
         let ids: &[(&str, f64, f64)] = match tool.as_str() {

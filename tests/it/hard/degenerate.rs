@@ -62,7 +62,12 @@ fn touching_holes() -> Shape {
     let mut shape = sheet(6, 6, |x, y| [x, y, 0.1 * (5.0 * x * y).sin()]);
     let is_kept = |cell: usize| ![14, 21].contains(&cell);
     let faces = std::mem::take(&mut shape.faces);
-    shape.faces = faces.chunks(2).enumerate().filter(|(c, _)| is_kept(*c)).flat_map(|(_, f)| f.to_vec()).collect();
+    shape.faces = faces
+        .chunks(2)
+        .enumerate()
+        .filter(|(c, _)| is_kept(*c))
+        .flat_map(|(_, f)| f.to_vec())
+        .collect();
     shape
 }
 
@@ -71,7 +76,8 @@ fn shapes(is_long: bool) -> Vec<(&'static str, Shape)> {
     let scaled = |shape: Shape, by: f64| shape.moved(|p| p.map(|x| by * x));
     let parts = if is_long { 500 } else { 60 };
     let many = (0..parts).fold(Shape::default(), |all, i| {
-        let place = |p: [f64; 3]| [p[0] + 3.0 * f64::from(i % 25), p[1] + 3.0 * f64::from(i / 25), p[2]];
+        let place =
+            |p: [f64; 3]| [p[0] + 3.0 * f64::from(i % 25), p[1] + 3.0 * f64::from(i / 25), p[2]];
         all.with(&documents::tetrahedron().moved(place))
     });
     let flat_part = sheet(2, 2, |x, _| [x, 0.0, 5.0]);
@@ -205,7 +211,11 @@ fn through(case: &Case) -> Result<String, String> {
     check(session.handle(Command::ShowPattern { is_shown: true }))?;
     let pieces = session.layout().map_or(0, |layout| layout.opened.patch_count);
     told.truncate(1);
-    Ok(format!("{pieces} pieces, {written} files{}{}", if told.is_empty() { "" } else { "; " }, told.join(" ")))
+    Ok(format!(
+        "{pieces} pieces, {written} files{}{}",
+        if told.is_empty() { "" } else { "; " },
+        told.join(" ")
+    ))
 }
 
 #[test]

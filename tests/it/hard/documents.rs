@@ -106,14 +106,13 @@ pub fn torus(n: u32, m: u32) -> Shape {
 
 /// A plate of cubes with a row of holes: a closed surface of that genus, its faces divided.
 pub fn plate(genus: u32) -> Shape {
-    let is_solid =
-        |i: i64, j: i64, k: i64| {
-            let length = 2 * i64::from(genus) + 1;
-            (0..length).contains(&i)
-                && (0..3).contains(&j)
-                && k == 0
-                && !(j == 1 && i.rem_euclid(2) == 1)
-        };
+    let is_solid = |i: i64, j: i64, k: i64| {
+        let length = 2 * i64::from(genus) + 1;
+        (0..length).contains(&i)
+            && (0..3).contains(&j)
+            && k == 0
+            && !(j == 1 && i.rem_euclid(2) == 1)
+    };
     let mut numbers: BTreeMap<[i64; 3], u32> = BTreeMap::new();
     let mut shape = Shape::default();
     let faces: [([i64; 3], [[i64; 3]; 4]); 6] = [

@@ -143,7 +143,11 @@ pub fn check_content(result: &Result<Content, ReadError>) -> Result<bool, String
             let text = error.to_string();
             let is_told = !text.is_empty() && !error.fault.advice().is_empty();
             let is_clean = text.len() < 1000 && !text.contains(char::is_control);
-            return if is_told && is_clean { Ok(false) } else { Err(format!("refused with {text:?}")) };
+            return if is_told && is_clean {
+                Ok(false)
+            } else {
+                Err(format!("refused with {text:?}"))
+            };
         }
     };
     let Soup { positions, corners, starts, lines, .. } = &content.soup;
@@ -298,7 +302,9 @@ fn cut_target() -> Target {
                 check_mesh(&opened.mesh)?;
                 Ok(true)
             }
-            Err(problem) => told(&[problem.what, problem.place, problem.what_to_do]).map(|()| false),
+            Err(problem) => {
+                told(&[problem.what, problem.place, problem.what_to_do]).map(|()| false)
+            }
         }
     };
     Target::new("cut.json", vec![file], Box::new(read))
@@ -318,7 +324,7 @@ fn is_error(events: &[Event]) -> bool {
 /// A `cones.json` on the surface that it was written for.
 fn cones_target() -> Target {
     let mut session = Session::new();
-    session.open("ball.obj", &documents::ball(2).obj());
+    session.open("plate.obj", &documents::plate(2).obj());
     session.handle(Command::SetMethod { id: "cones".into() });
     while session.is_running() {
         session.advance(&mut || true);
@@ -327,7 +333,6 @@ fn cones_target() -> Target {
     let read = move |bytes: &[u8]| {
         let events = session.bring(Brought::Cones { name: "cones.json", bytes });
         check_events(&events)?;
-        println!("{events:?}");
         Ok(!is_error(&events))
     };
     let mut target = Target::new("cones.json", vec![file], Box::new(read));

@@ -261,17 +261,26 @@ impl<'a> Sequence<'a> {
         let Ok(project) = self.session.export("Project (JSON)") else { return Ok(()) };
         let mut again = Session::new();
         check_events(&again.open("again.json", &project.bytes))?;
-        let mut left = 100_000;
-        while again.is_running() && left > 0 {
-            left -= 1;
-            check_events(&again.advance(&mut || false))?;
+        // What is still due after the pause, such as paint that the flow does not know yet, comes to rest in both.
+        for session in [&mut again, &mut self.session] {
+            let mut left = 100_000;
+            while session.is_running() && left > 0 {
+                left -= 1;
+                check_events(&session.advance(&mut || false))?;
+            }
         }
         let differ = difference(&self.session.digests(), &again);
         if !differ.is_empty() {
             return Err(format!("the replay of the project differs in {differ}"));
         }
-        for kind in KINDS.iter().filter(|kind| !["Project (JSON)", "All files (ZIP)"].contains(kind))
+        for kind in
+            KINDS.iter().filter(|kind| !["Project (JSON)", "All files (ZIP)"].contains(kind))
         {
+            // What was passed over in reading is told in reports, and a project's mesh has nothing of it.
+            let is_read_whole = self.session.document().is_none_or(|d| d.reading.is_empty());
+            if *kind == "Report (JSON)" && !is_read_whole {
+                continue;
+            }
             let bytes = |session: &mut Session| session.export(kind).map(|file| file.bytes);
             if bytes(&mut self.session) != bytes(&mut again) {
                 return Err(format!("the replay of the project differs in {kind}"));
