@@ -7,11 +7,12 @@ use nalgebra::Vector3;
 use super::message::{MeshSummary, NoticeText};
 use super::samples;
 use super::surface::Surface;
-use super::text::{Problem, capital, plural};
+use super::text::{Problem, capital, plural, shown_name};
 use crate::geometry::doctor::{self, Examination};
 use crate::mesh::Soup;
 use crate::mesh::doctor::{FindingKind, Repair};
 use crate::mesh::read::{self, ReadNotice};
+use crate::methods::flow::SolveError;
 
 /// Largest polygon that is divided: a second's work for all that look at it.
 const MOST_CORNERS: usize = 5000;
@@ -71,11 +72,18 @@ impl Document {
 
     /// Reads a file.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, Problem> {
+        let name = &shown_name(name);
         let content = read::read(name, bytes).map_err(|error| Problem::read(name, &error))?;
         let reading = content.notices.iter().map(notice).collect();
         let mut document = Self::from_soup(name, content.format.name(), content.soup, reading)?;
         document.mm_per_unit = stated_size(bytes);
         Ok(document)
+    }
+
+    /// The text of a solve on the surface that could not be done.
+    pub(super) fn unsolved(&self, error: &SolveError) -> Problem {
+        let vertex = |row| self.surface.as_ref()?.soup_vertices.get(row).copied();
+        Problem::solve_at(&self.name, error, vertex)
     }
 
     /// Says which format it came in, by its name; a format that there is none of changes nothing.

@@ -15,6 +15,7 @@ mod charting;
 mod comparing;
 mod cones;
 mod cut_file;
+mod digest;
 mod doctor;
 mod document;
 mod folding;
@@ -92,6 +93,8 @@ pub use segmenting::{
 pub use size::settings_for;
 pub use specs::{all_specs, specs, specs_of};
 pub use surface::Surface;
+use text::shown_name;
+
 pub use text::Problem;
 
 /// Triangles beyond which a mesh is shown before its first cut is made.
@@ -287,6 +290,7 @@ impl Session {
 
     /// Opens a file. What was open stays open if the file cannot be used.
     pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
+        let name = &shown_name(name);
         if self.work.is_some() && cut_file::is_cut_file(bytes) {
             self.preparation = None;
             let mut events = self.handle(Command::SetMethod { id: Method::CutFlow.id().into() });

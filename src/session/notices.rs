@@ -13,6 +13,7 @@ impl Work {
         let mut notices = Vec::new();
         if let Some(flow) = &self.flow {
             notices.extend(uncut_parts(flow));
+            notices.extend(inaccurate(flow));
             notices.extend(self.coarse_mesh());
         }
         notices.extend(layout.notice.iter().map(|text| NoticeText::new("outlines", 1, text)));
@@ -51,6 +52,22 @@ impl Work {
             )
         })
     }
+}
+
+/// Relative residual of the scale factors beyond which their digits are told not to be trusted. Good meshes have 1e-12; at 1e-6 the energy is
+/// still right to more digits than are shown.
+const WORST_RESIDUAL: f64 = 1e-6;
+
+/// That the last solve left more than rounding.
+fn inaccurate(flow: &CutFlow) -> Option<NoticeText> {
+    let residual = flow.state().residual();
+    (!(residual <= WORST_RESIDUAL)).then(|| {
+        let text = format!(
+            "The scale factors solve their equation only to {residual:.0e} of its size: the triangles are too thin for exact distortion. Remesh \
+             under Prepare, or by the command prepare with --tool remesh."
+        );
+        NoticeText::new("inaccurate_solve", 1, text)
+    })
 }
 
 /// Closed components that the initial cut leaves whole.

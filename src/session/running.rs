@@ -162,7 +162,8 @@ impl Session {
             return Ok(());
         };
         let before = flow.steps();
-        let report = flow.step().map_err(|error| Problem::solve(&work.document.name, &error))?;
+        let document = work.document.clone();
+        let report = flow.step().map_err(|error| document.unsolved(&error))?;
         if report.step > before {
             let energy = flow.state().energy();
             // By the weights that a schedule has reached now, as all rows are told when they are measured anew.

@@ -122,6 +122,20 @@ impl Problem {
         }
     }
 
+    /// The text of a solve whose unknowns are the vertices of a surface. `vertex` gives the file's index of a vertex.
+    pub fn solve_at(name: &str, error: &SolveError, vertex: impl Fn(usize) -> Option<u32>) -> Self {
+        let problem = Self::solve(name, error);
+        let SolveError::Linalg(LinalgError::NotPositiveDefinite { row }) = error else {
+            return problem;
+        };
+        match vertex(*row) {
+            Some(v) => {
+                Self { place: format!("{name}, at vertex {v} (counted from 0)."), ..problem }
+            }
+            None => problem,
+        }
+    }
+
     /// The text of a solve that could not be done.
     pub fn solve(name: &str, error: &SolveError) -> Self {
         match error {
@@ -212,6 +226,21 @@ impl Problem {
                 "Remesh the surface with more even triangles and open it again.",
             ),
         }
+    }
+}
+
+/// Letters of a name that are shown.
+const MOST_LETTERS: usize = 120;
+
+/// A file's name as it is shown and written: without control characters and without those that turn the direction of text, cut where it
+/// gets too long; its ending stays.
+pub fn shown_name(name: &str) -> String {
+    let turns = |c: char| matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let clean: Vec<char> = name.chars().filter(|&c| !c.is_control() && !turns(c)).collect();
+    match clean.len() {
+        0 => "mesh".into(),
+        n if n <= MOST_LETTERS => clean.into_iter().collect(),
+        n => clean[..MOST_LETTERS - 12].iter().chain(&['…']).chain(&clean[n - 11..]).collect(),
     }
 }
 

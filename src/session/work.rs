@@ -687,7 +687,7 @@ pub(super) fn start_flow(
     layers: &Layers,
     checkpoint: Option<&Checkpoint>,
 ) -> Result<CutFlow, Problem> {
-    let wrong = |error| Problem::solve(&document.name, &error);
+    let wrong = |error| document.unsolved(&error);
     let surface = document.surface()?;
     let (mesh, geometry) = surface.solving_shared();
     let fields = inputs::fields(settings, layers, mesh.vertex_count());
@@ -753,6 +753,8 @@ pub(super) fn stem(name: &str) -> String {
         .chars()
         .map(|c| if c.is_alphanumeric() || "-_ ".contains(c) { c } else { '_' })
         .collect();
-    let clean = clean.trim().replace(' ', "-");
+    // What is appended must fit into the 255 bytes that a file's name may have.
+    let end = clean.char_indices().map(|(at, c)| at + c.len_utf8()).take_while(|&end| end <= 80);
+    let clean = clean[..end.last().unwrap_or(0)].trim().replace(' ', "-");
     if clean.is_empty() { "cutflow".into() } else { clean }
 }

@@ -24,6 +24,7 @@ mod exported;
 mod flattening;
 mod folding;
 mod golden;
+mod hard;
 mod isometric;
 mod lpfb;
 mod measuring;

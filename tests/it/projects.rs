@@ -122,7 +122,9 @@ fn a_cut_that_was_laid_out_as_it_is_comes_back() {
     // Another cut than the one that the sample starts with.
     let mut fresh = Session::new();
     fresh.handle(Command::OpenSample { name: "ball".into() });
-    assert!(fresh.export("Cut (JSON)").unwrap().bytes != session.export("Cut (JSON)").unwrap().bytes);
+    assert!(
+        fresh.export("Cut (JSON)").unwrap().bytes != session.export("Cut (JSON)").unwrap().bytes
+    );
 }
 
 #[test]
@@ -155,4 +157,43 @@ fn what_an_export_catches_up_with_is_done_again() {
     session.handle(Command::Run);
     run(&mut session, 3);
     assert_same(&mut session, &["Cut (JSON)"]);
+}
+
+#[test]
+fn keys_of_later_versions_are_passed_over_and_what_cannot_be_done_again_is_told() {
+    let mut session = Session::new();
+    session.open("two.obj", b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+    set(&mut session, "size", Value::Number(123.0));
+    let text = String::from_utf8(session.export(PROJECT).unwrap().bytes).unwrap();
+    let more = text.replacen('{', "{\"colour\": [1, {\"a\": null}], \"of_tomorrow\": true,", 1);
+    let mut again = replayed(more.as_bytes());
+    assert_eq!(again.export("Mesh (OBJ)").unwrap(), session.export("Mesh (OBJ)").unwrap());
+    // A command that there is not yet.
+    let unknown = text.replacen("set_parameter", "set_fire", 1);
+    assert_ne!(unknown, text);
+    let mut fresh = Session::new();
+    let events = fresh.open("p.json", unknown.as_bytes());
+    let is_told = |e: &Event| matches!(e, Event::Error { what, .. } if what.contains("set_fire"));
+    assert!(events.iter().any(is_told), "{events:?}");
+    assert!(fresh.document().is_none());
+}
+
+#[test]
+fn a_project_that_is_cut_off_anywhere_is_refused_in_words() {
+    let mut session = Session::new();
+    session.open("two.obj", b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+    set(&mut session, "size", Value::Number(123.0));
+    let whole = session.export(PROJECT).unwrap().bytes;
+    let end = whole.trim_ascii_end().len();
+    let before = session.digest();
+    for length in (1..end).step_by(7).chain([end - 1]) {
+        let events = session.open("p.json", &whole[..length]);
+        let told = events.iter().find_map(|event| match event {
+            Event::Error { what, place, what_to_do } => Some([what, place, what_to_do]),
+            _ => None,
+        });
+        let told = told.unwrap_or_else(|| panic!("{length} of {end} bytes are taken"));
+        assert!(told.iter().all(|part| !part.is_empty()), "{told:?}");
+        assert_eq!(session.digest(), before, "{length} of {end} bytes");
+    }
 }

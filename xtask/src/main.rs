@@ -13,6 +13,7 @@ mod browser;
 mod build;
 mod compiler;
 mod debian;
+mod dependencies;
 mod dist;
 mod process;
 mod project;
@@ -20,6 +21,7 @@ mod readers;
 mod serve;
 mod server;
 mod sizes;
+mod soak;
 mod test;
 mod tools;
 
@@ -41,6 +43,9 @@ cargo xtask COMMAND
   dist  [--out DIR]           a static folder (default: dist) that works from any path of any static host
   bench [--quick] [--json FILE]
                               the figures, as ratios, natively and in wasm, and the sizes of the wasm files
+  soak  [--minutes N] [--seed S] [--only degenerate|cycles|fuzzing|sequences]
+                              hard use for an hour or so long: commands in any order, damaged files, surfaces that
+                              hardly are any, a thousand runs in one session; prints what was done and what was found
   help                        this text
 
 --dist builds what people download: link-time optimised and squeezed, several minutes.
@@ -86,6 +91,7 @@ fn run() -> Result<()> {
             dist::dist(out.as_deref())
         }
         "bench" => bench::bench(args),
+        "soak" => soak::soak(args),
         "help" | "--help" | "-h" => {
             println!("{HELP}");
             Ok(())

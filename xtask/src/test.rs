@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use crate::args::Args;
 use crate::build::{BUNDLES, Profile, build};
 use crate::compiler::WasmCompiler;
-use crate::{browser, process, project, readers, tools};
+use crate::{browser, dependencies, process, project, readers, tools};
 
 /// Which parts to run.
 pub struct Parts {
@@ -63,6 +63,7 @@ pub fn test(parts: Parts) -> Result<()> {
     if parts.native {
         stage("format", format);
         stage("lint", lint);
+        stage("dependencies", || dependencies::check().map(|()| Outcome::Passed));
         stage("native tests", native);
     }
     if parts.readers {

@@ -59,6 +59,13 @@ pub struct Developable {
 #[derive(Clone)]
 pub struct DevelopCheckpoint(Rc<Run>);
 
+impl DevelopCheckpoint {
+    /// Writes what tells it from others.
+    pub fn describe(&self, to: &mut dyn std::fmt::Write) -> std::fmt::Result {
+        write!(to, "{:?} {:?} {} {:?}", self.0.plan, self.0.hands, self.0.steps, self.0.curve)
+    }
+}
+
 impl Developable {
     /// What is needed to come back; the same one as long as nothing has changed.
     pub fn checkpoint(&self) -> Option<DevelopCheckpoint> {

@@ -68,6 +68,13 @@ pub struct PhaseCheckpoint {
     measures: BTreeMap<usize, PhaseMeasures>,
 }
 
+impl PhaseCheckpoint {
+    /// Writes what tells it from others.
+    pub fn describe(&self, to: &mut dyn std::fmt::Write) -> std::fmt::Result {
+        write!(to, "{:?} {} {:?}", self.params, self.steps, self.curve)
+    }
+}
+
 impl PhaseField {
     /// What is needed to come back; the same one as long as nothing has changed.
     pub fn checkpoint(&self) -> Option<PhaseCheckpoint> {

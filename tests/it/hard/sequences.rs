@@ -1,0 +1,302 @@
+//! Sequences of commands, with steps, pictures and files in between: nothing panics, nothing is no number, refusals change nothing, Undo and Redo
+//! lead to the last bit, and what was done can be done again to the same bytes.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+use cutflow::session::{Brought, Command, Event, Session};
+
+use super::commands::{self, Dice};
+use super::documents;
+use super::guarded;
+use super::sound::{KINDS, check_events, check_file, check_scene, check_session};
+
+/// How much was done.
+#[derive(Clone, Debug, Default)]
+pub struct Counts {
+    pub sequences: usize,
+    pub commands: usize,
+    pub refused: usize,
+    pub steps: usize,
+    pub scenes: usize,
+    pub files: usize,
+    /// Commands that Undo took back, by name.
+    pub undone: BTreeMap<String, usize>,
+    /// Projects that were replayed.
+    pub replayed: usize,
+}
+
+/// Steps that a sequence may make at a time.
+const MOST_STEPS: usize = 6;
+
+/// One sequence of so many actions. **Fails** with what was found and the whole sequence.
+pub fn run(seed: u64, actions: usize, counts: &mut Counts) -> Result<(), String> {
+    let told = RefCell::new(Vec::new());
+    let result = guarded(|| {
+        let mut sequence = Sequence::new(seed, &told);
+        for _ in 0..actions {
+            sequence.act(counts)?;
+        }
+        sequence.replay(counts)
+    });
+    counts.sequences += 1;
+    result.map_err(|what| {
+        let told = told.borrow();
+        format!("sequence {seed}: {what}\n  {}", told.join("\n  "))
+    })
+}
+
+struct Sequence<'a> {
+    dice: Dice,
+    session: Session,
+    names: Vec<String>,
+    told: &'a RefCell<Vec<String>>,
+}
+
+/// A command was refused: error, status and the parameters in force follow each other.
+fn is_refused(events: &[Event]) -> bool {
+    let is = |e: &[Event]| {
+        matches!(e, [Event::Error { .. }, Event::Status { .. }, Event::Parameters { .. }])
+    };
+    events.windows(3).any(is)
+}
+
+/// The parts of two documents that differ.
+fn difference(before: &[(&'static str, u64)], session: &Session) -> String {
+    let after = session.digests();
+    let differ = before.iter().zip(&after).filter(|(a, b)| a != b).map(|(a, _)| a.0);
+    differ.collect::<Vec<_>>().join(", ")
+}
+
+impl<'a> Sequence<'a> {
+    fn new(seed: u64, told: &'a RefCell<Vec<String>>) -> Self {
+        let mut dice = Dice::new(seed);
+        let mut session = Session::new();
+        // Now and then nothing is open.
+        if !dice.once_in(12) {
+            let documents = documents::small();
+            let (name, bytes) = &documents[dice.below(documents.len())];
+            told.borrow_mut().push(format!("open {name}"));
+            session.open(name, bytes);
+        }
+        // One in three sequences is of another method from its start.
+        if dice.once_in(3) {
+            let id = dice.of(&["cones", "phasefield", "developable"]).to_owned();
+            told.borrow_mut().push(format!("method {id}"));
+            session.handle(Command::SetMethod { id });
+        }
+        Self { dice, session, names: commands::names(), told }
+    }
+
+    fn tell(&self, what: String) {
+        self.told.borrow_mut().push(what);
+    }
+
+    fn act(&mut self, counts: &mut Counts) -> Result<(), String> {
+        check_events(&self.session.take_late())?;
+        match self.dice.below(24) {
+            0..15 => self.command(counts),
+            15..19 => self.advance(counts),
+            19 => {
+                self.tell("scene".into());
+                counts.scenes += 1;
+                let scene = self.session.scene();
+                scene.as_ref().map_or(Ok(()), check_scene)
+            }
+            20 => self.export(counts),
+            21 => self.open(),
+            22 => self.bring(),
+            _ => {
+                self.tell("check".into());
+                check_session(&mut self.session)
+            }
+        }
+    }
+
+    fn pick(&mut self) -> Command {
+        loop {
+            // What takes a document back or to another method would be most of all otherwise.
+            let name = match self.dice.below(6) {
+                0 => "set_parameter",
+                1 => self.dice.of(&["run", "step", "paint", "undo", "redo"]),
+                _ => &self.names[self.dice.below(self.names.len())],
+            };
+            let name = name.to_owned();
+            if let Some(command) = self.dice.command(&name, &self.session) {
+                return command;
+            }
+        }
+    }
+
+    fn command(&mut self, counts: &mut Counts) -> Result<(), String> {
+        let command = self.pick();
+        let name = commands::name_of(&command);
+        let tests_undo = self.dice.once_in(3);
+        self.tell(format!("{command:?}{}", if tests_undo { ", Undo, Redo" } else { "" }));
+        // What was painted belongs to the flow once the stroke has ended.
+        self.session.handle(Command::EndStroke);
+        let (before, depth) = (self.session.digests(), self.session.undo_depth());
+        let events = self.session.handle(command.clone());
+        counts.commands += 1;
+        check_events(&events)?;
+        if is_refused(&events) {
+            counts.refused += 1;
+            let differ = difference(&before, &self.session);
+            if !differ.is_empty() && !matches!(command, Command::Undo | Command::Redo) {
+                return Err(format!("{name} was refused and changed: {differ}"));
+            }
+            return Ok(());
+        }
+        let travels = matches!(command, Command::Undo | Command::Redo);
+        if tests_undo && !travels && self.session.undo_depth() == depth + 1 {
+            let after = self.session.digests();
+            check_events(&self.session.handle(Command::Undo))?;
+            let differ = difference(&before, &self.session);
+            if !differ.is_empty() {
+                return Err(format!("{name} and Undo changed: {differ}"));
+            }
+            check_events(&self.session.handle(Command::Redo))?;
+            let differ = difference(&after, &self.session);
+            if !differ.is_empty() {
+                return Err(format!("{name}, Undo and Redo changed: {differ}"));
+            }
+            *counts.undone.entry(name).or_default() += 1;
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, counts: &mut Counts) -> Result<(), String> {
+        let budget = self.dice.below(MOST_STEPS) + 1;
+        self.tell(format!("advance {budget}"));
+        if !self.session.is_running() {
+            return Ok(());
+        }
+        let mut left = budget;
+        let events = self.session.advance(&mut || {
+            left -= 1;
+            left > 0
+        });
+        counts.steps += budget - left;
+        check_events(&events)
+    }
+
+    fn export(&mut self, counts: &mut Counts) -> Result<(), String> {
+        let kind = self.dice.of(&KINDS);
+        self.tell(format!("export {kind}"));
+        let before = self.session.digests();
+        match self.session.export(kind) {
+            Ok(file) => {
+                counts.files += 1;
+                check_file(kind, &file)?;
+            }
+            Err(problem) => {
+                let parts = [&problem.what, &problem.place, &problem.what_to_do];
+                if parts.iter().any(|part| part.is_empty()) {
+                    return Err(format!("a refusal without words: {problem:?}"));
+                }
+            }
+        }
+        // What was painted or asked for and waited may be done for the file; the rest stays.
+        let differ = difference(&before, &self.session);
+        let may = ["flow", "history", "segments", "seams"];
+        match differ.split(", ").find(|part| !part.is_empty() && !may.contains(part)) {
+            Some(part) => Err(format!("the export of {kind} changed {part}")),
+            None => Ok(()),
+        }
+    }
+
+    fn open(&mut self) -> Result<(), String> {
+        // Mostly something that cannot be read: documents that change too often test nothing else.
+        let documents = documents::small();
+        let (name, bytes) = &documents[self.dice.below(documents.len())];
+        let mut bytes = bytes.clone();
+        let is_damaged = !self.dice.once_in(4);
+        if is_damaged {
+            bytes = crate::mutation::mutate(self.dice.0.next(), &bytes);
+        }
+        self.tell(format!("open {name}{}", if is_damaged { ", damaged" } else { "" }));
+        check_events(&self.session.open(name, &bytes))
+    }
+
+    fn bring(&mut self) -> Result<(), String> {
+        let count = self.session.document().map_or(0, |d| d.soup.positions.len());
+        let count = if self.dice.once_in(5) { count + 1 } else { count };
+        let channel = self.dice.of(&["region", "penalty", "heat", "pin", "importance", "x"]);
+        let values: Vec<f64> = (0..count)
+            .map(|_| match self.dice.below(200) {
+                0 => self.dice.number(),
+                n => (n % 3) as f64 * 0.5,
+            })
+            .map(|x| if channel == "region" { x.round() } else { x })
+            .collect();
+        let vertex = self.dice.below(count.max(1)) as f64;
+        let own = self.session.export("Cut (JSON)").map(|file| file.bytes).unwrap_or_default();
+        let cones = self.session.export("Cones (JSON)").map(|file| file.bytes).unwrap_or_default();
+        let before = self.session.digests();
+        let what = match self.dice.below(6) {
+            0 => Brought::Layer { channel, values: &values },
+            1 => Brought::Seeds(&[vertex, 0.0, f64::NAN]),
+            2 => Brought::Cut { name: "cut.json", bytes: &own },
+            3 => Brought::Eye([vertex, f64::INFINITY, 0.0]),
+            4 => Brought::Cones { name: "cones.json", bytes: &cones },
+            _ => Brought::Cone { vertex, angle: Some(0.7) },
+        };
+        self.tell(format!("bring {}", format!("{what:?}").chars().take(60).collect::<String>()));
+        let events = self.session.bring(what);
+        check_events(&events)?;
+        let is_refused =
+            matches!(events.last_chunk::<2>(), Some([Event::Error { .. }, Event::Status { .. }]));
+        let differ = difference(&before, &self.session);
+        if is_refused && !differ.is_empty() {
+            return Err(format!("what was brought was refused and changed: {differ}"));
+        }
+        Ok(())
+    }
+
+    /// The project of all this gives the same files again.
+    fn replay(&mut self, counts: &mut Counts) -> Result<(), String> {
+        // Where a run goes on, a project pauses.
+        self.tell("replay".into());
+        self.session.handle(Command::Pause);
+        let Ok(project) = self.session.export("Project (JSON)") else { return Ok(()) };
+        let mut again = Session::new();
+        check_events(&again.open("again.json", &project.bytes))?;
+        // What is still due after the pause, such as paint that the flow does not know yet, comes to rest in both.
+        for session in [&mut again, &mut self.session] {
+            let mut left = 100_000;
+            while session.is_running() && left > 0 {
+                left -= 1;
+                check_events(&session.advance(&mut || false))?;
+            }
+        }
+        let differ = difference(&self.session.digests(), &again);
+        if !differ.is_empty() {
+            return Err(format!("the replay of the project differs in {differ}"));
+        }
+        for kind in
+            KINDS.iter().filter(|kind| !["Project (JSON)", "All files (ZIP)"].contains(kind))
+        {
+            // What was passed over in reading is told in reports, and a project's mesh has nothing of it.
+            let is_read_whole = self.session.document().is_none_or(|d| d.reading.is_empty());
+            if *kind == "Report (JSON)" && !is_read_whole {
+                continue;
+            }
+            let bytes = |session: &mut Session| session.export(kind).map(|file| file.bytes);
+            if bytes(&mut self.session) != bytes(&mut again) {
+                return Err(format!("the replay of the project differs in {kind}"));
+            }
+        }
+        counts.replayed += 1;
+        Ok(())
+    }
+}
+
+#[test]
+fn commands_in_any_order_break_nothing() {
+    let mut counts = Counts::default();
+    for seed in 0..60 {
+        run(seed, 25, &mut counts).unwrap_or_else(|what| panic!("{what}"));
+    }
+    println!("{counts:?}");
+    assert!(counts.commands > 500 && counts.files > 10 && counts.replayed > 40, "{counts:?}");
+}
