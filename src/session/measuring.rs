@@ -127,9 +127,9 @@ mod tests {
     fn what_is_measured_is_no_part_of_the_document() {
         let mut session = opened("ball");
         let [from, to] = [0, 9].map(|face| middle(&session, face));
-        let kept = session.log.len();
+        let kept = session.project().unwrap();
         measured(&mut session, from, to);
-        assert_eq!(session.log.len(), kept);
+        assert_eq!(session.project().unwrap(), kept);
         let nowhere = Spot { face: u32::MAX, ..from };
         let events = session.handle(Command::Measure { from, to: nowhere });
         assert!(events.iter().any(|event| matches!(event, Event::Error { .. })));
