@@ -18,6 +18,8 @@ const WHEEL_ZOOM = 1.25;
 const KEY_DRAG = 24;
 /** The longer side of an exported picture has this many pixels at least. */
 const PICTURE_PX = 1600;
+/** A picture is searched for what is drawn in it at this size. */
+const PROBE_PX = 320;
 /** The longest side that every graphics backend can draw. */
 const MOST_PX = 8192;
 /** A press that moves no further is a click. */
@@ -37,6 +39,29 @@ async function chooseRenderer(asked) {
   if (asked === "webgpu") return "webgpu";
   const isChromium = navigator.userAgentData?.brands.some(({ brand }) => brand === "Chromium") ?? false;
   return isChromium ? Viewer.probe() : "webgl2";
+}
+
+/** The part of a picture in which anything differs from its corner, with a margin: `[x, y, width, height]`; all of it if nothing does. */
+function drawnPart(canvas) {
+  const small = Math.min(1, PROBE_PX / Math.max(canvas.width, canvas.height));
+  const [width, height] = [canvas.width, canvas.height].map((side) => Math.max(1, Math.round(side * small)));
+  const context = h("canvas", { width, height }).getContext("2d", { willReadFrequently: true });
+  context.drawImage(canvas, 0, 0, width, height);
+  const { data } = context.getImageData(0, 0, width, height);
+  const differs = (at) => [0, 1, 2].some((i) => Math.abs(data[at + i] - data[i]) > 8);
+  let [left, top, right, bottom] = [width, height, -1, -1];
+  for (let y = 0; y < height; y += 1) {
+    for (let x = 0; x < width; x += 1) {
+      if (!differs(4 * (y * width + x))) continue;
+      [left, right] = [Math.min(left, x), Math.max(right, x)];
+      [top, bottom] = [Math.min(top, y), Math.max(bottom, y)];
+    }
+  }
+  if (right < 0) return [0, 0, canvas.width, canvas.height];
+  const margin = 0.04 * Math.max(right - left, bottom - top) + 1;
+  const [x, y] = [Math.max(0, left - margin), Math.max(0, top - margin)];
+  const [endX, endY] = [Math.min(width, right + 1 + margin), Math.min(height, bottom + 1 + margin)];
+  return [x, y, endX - x, endY - y].map((length) => length / small);
 }
 
 export class Views {
@@ -317,13 +342,14 @@ export class Views {
     // Drawn and copied in one task, as above.
     this.#viewer.set_theme(this.#flags.dark);
     this.#viewer.draw();
-    const ratios = [width / canvas.width, height / canvas.height];
-    const scale = view === SURFACE ? Math.max(...ratios) : Math.min(...ratios);
-    const size = [canvas.width * scale, canvas.height * scale];
+    const isSurface = view === SURFACE;
+    const [x, y, w, d] = isSurface ? [0, 0, canvas.width, canvas.height] : drawnPart(canvas);
+    const scale = (isSurface ? Math.max : Math.min)(width / w, height / d);
+    const size = [w * scale, d * scale];
     const copy = h("canvas", { width, height });
     const context = copy.getContext("2d");
     context.imageSmoothingQuality = "high";
-    context.drawImage(canvas, (width - size[0]) / 2, (height - size[1]) / 2, ...size);
+    context.drawImage(canvas, x, y, w, d, (width - size[0]) / 2, (height - size[1]) / 2, ...size);
     return copy;
   }
 
