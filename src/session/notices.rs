@@ -5,6 +5,7 @@ use super::message::NoticeText;
 use super::method::Method;
 use super::work::Work;
 use crate::methods::cutflow::CutFlow;
+use crate::methods::flow::Flow;
 use crate::methods::prepare::TOO_COARSE;
 
 impl Work {
