@@ -127,7 +127,8 @@ pub fn validate(
     let patch = |f: FaceId| opened.face_patches[f.index()] as usize;
     for f in opened.mesh.faces() {
         if let Some(chart) = &mut charts[patch(f)] {
-            let [a, b, c] = face_places(opened, places, f);
+            // In the chart's own frame: equal charts give equal numbers, wherever they lie on the sheet.
+            let [a, b, c] = face_places(opened, &flattening.uv, f);
             chart.add_face(f, orientation(a, b, c));
             groups[if packing.is_some() { 0 } else { patch(f) }].push(f);
         }

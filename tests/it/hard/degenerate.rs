@@ -11,6 +11,9 @@ pub struct Case {
     pub name: String,
     file: Vec<u8>,
     method: Way,
+    /// Steps that a method may make, and kinds of files that are written.
+    steps: usize,
+    kinds: &'static [&'static str],
 }
 
 /// How a surface is cut and flattened.
@@ -25,6 +28,10 @@ enum Way {
 }
 
 const WAYS: [Way; 5] = [Way::Cut, Way::Cones, Way::PhaseField, Way::Developable, Way::Flatten];
+
+/// What the short run writes: one of every sort.
+const SOME_KINDS: [&str; 5] =
+    ["UV mesh (OBJ)", "Cut (JSON)", "Pattern (SVG)", "Pattern (PDF)", "Report (JSON)"];
 
 /// Squares whose columns are thinner and thinner, down to an angle of so many degrees.
 fn slivers(degrees: f64) -> Shape {
@@ -121,6 +128,8 @@ pub fn cases(is_long: bool) -> Vec<Case> {
         name: format!("{name}, {method:?}"),
         file: shape.obj(),
         method,
+        steps: if is_long { 200 } else { 25 },
+        kinds: if is_long { &KINDS } else { &SOME_KINDS },
     };
     shapes.iter().flat_map(|shape| WAYS.map(|way| case(shape, way))).collect()
 }
@@ -176,7 +185,7 @@ fn through(case: &Case) -> Result<String, String> {
     let ways = if case.method == Way::Flatten { ways_to_flatten() } else { Vec::new() };
     if case.method != Way::Flatten {
         check(session.handle(Command::Run))?;
-        let mut left = 200;
+        let mut left = case.steps;
         while session.is_running() && left > 0 {
             left -= 1;
             check(session.advance(&mut || false))?;
@@ -202,7 +211,7 @@ fn through(case: &Case) -> Result<String, String> {
     }
     check_session(&mut session)?;
     let mut written = 0;
-    for kind in KINDS {
+    for kind in case.kinds {
         if let Ok(file) = session.export(kind) {
             check_file(kind, &file)?;
             written += 1;

@@ -29,6 +29,9 @@ pub struct Counts {
 /// Steps that a sequence may make at a time.
 const MOST_STEPS: usize = 6;
 
+/// Seconds of processor time that an action on a surface of a few hundred triangles may take, several files included.
+const MOST_SECONDS: f64 = 15.0;
+
 /// One sequence of so many actions. **Fails** with what was found and the whole sequence.
 pub fn run(seed: u64, actions: usize, counts: &mut Counts) -> Result<(), String> {
     let told = RefCell::new(Vec::new());
@@ -68,6 +71,26 @@ fn difference(before: &[(&'static str, u64)], session: &Session) -> String {
     differ.collect::<Vec<_>>().join(", ")
 }
 
+/// A report without what it cost: a solver that was at work before has less to do. Other files stay as they are.
+fn without_effort(file: Vec<u8>) -> Vec<u8> {
+    fn drop_costs(value: &mut serde_json::Value) {
+        match value {
+            serde_json::Value::Object(map) => {
+                // Tables that were asked for are no part of a document: Undo drops them, and they are made again on demand.
+                for key in ["rounds", "factorisations", "solves", "seconds", "comparison", "path"] {
+                    map.remove(key);
+                }
+                map.values_mut().for_each(drop_costs);
+            }
+            serde_json::Value::Array(list) => list.iter_mut().for_each(drop_costs),
+            _ => {}
+        }
+    }
+    let Ok(mut value) = serde_json::from_slice(&file) else { return file };
+    drop_costs(&mut value);
+    value.to_string().into_bytes()
+}
+
 impl<'a> Sequence<'a> {
     fn new(seed: u64, told: &'a RefCell<Vec<String>>) -> Self {
         let mut dice = Dice::new(seed);
@@ -94,6 +117,17 @@ impl<'a> Sequence<'a> {
 
     fn act(&mut self, counts: &mut Counts) -> Result<(), String> {
         check_events(&self.session.take_late())?;
+        let start = super::processor_seconds();
+        self.one(counts)?;
+        match (start, super::processor_seconds()) {
+            (Some(start), Some(end)) if end - start > MOST_SECONDS => {
+                Err(format!("the last action took {:.1} s", end - start))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn one(&mut self, counts: &mut Counts) -> Result<(), String> {
         match self.dice.below(24) {
             0..15 => self.command(counts),
             15..19 => self.advance(counts),
@@ -281,9 +315,32 @@ impl<'a> Sequence<'a> {
             if *kind == "Report (JSON)" && !is_read_whole {
                 continue;
             }
-            let bytes = |session: &mut Session| session.export(kind).map(|file| file.bytes);
-            if bytes(&mut self.session) != bytes(&mut again) {
-                return Err(format!("the replay of the project differs in {kind}"));
+            let bytes =
+                |session: &mut Session| session.export(kind).map(|file| without_effort(file.bytes));
+            let start = super::processor_seconds();
+            let both = (bytes(&mut self.session), bytes(&mut again));
+            if let (Some(start), Some(end)) = (start, super::processor_seconds())
+                && end - start > MOST_SECONDS
+            {
+                return Err(format!("writing {kind} twice took {:.1} s", end - start));
+            }
+            match both {
+                (Ok(own), Ok(other)) if own != other => {
+                    let at = own.iter().zip(&other).take_while(|(a, b)| a == b).count();
+                    let part = |bytes: &[u8]| {
+                        let near = at.saturating_sub(80)..bytes.len().min(at + 60);
+                        String::from_utf8_lossy(&bytes[near]).into_owned()
+                    };
+                    let [own, other] = [part(&own), part(&other)];
+                    return Err(format!("the replay differs in {kind}:\n{own}\n-- {other}"));
+                }
+                (Err(own), Err(other)) if own != other => {
+                    return Err(format!("the replay refuses {kind} by {other:?}, not {own:?}"));
+                }
+                (Ok(_), Err(problem)) | (Err(problem), Ok(_)) => {
+                    return Err(format!("only one of both writes {kind}: {problem:?}"));
+                }
+                _ => {}
             }
         }
         counts.replayed += 1;
