@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use cutflow::session::{Command, ParamKind, Session, Value, all_specs};
+use cutflow::session::{Command, ParamKind, RunRequest, Session, Spot, Value, all_specs};
 
 use crate::mutation::SplitMix64;
 
@@ -277,6 +277,26 @@ impl Dice {
             "clear_cones" => Command::ClearCones,
             "trace_path" => Command::TracePath,
             "compare_cones" => Command::CompareCones,
+            "travel" => {
+                let changes = i32::try_from(self.index(9)).map_or(i32::MIN, |n| n - 4);
+                Command::Travel { changes }
+            }
+            "keep_cut" => Command::KeepCut,
+            "keep_result" => {
+                let name = self.some(|d| d.word(&["First", "Second"]));
+                Command::KeepResult { name, seconds: self.some(Self::number) }
+            }
+            "restore_result" => Command::RestoreResult { id: self.index(4) },
+            "remove_result" => Command::RemoveResult { id: self.index(4) },
+            "rename_result" => {
+                Command::RenameResult { id: self.index(4), name: self.word(&["Third"]) }
+            }
+            "compare" => self.compare(),
+            "next_result" => Command::NextResult,
+            "measure" => {
+                let mut spot = || Spot { face: self.face(session), place: self.place() };
+                Command::Measure { from: spot(), to: spot() }
+            }
             _ => return None,
         })
     }
@@ -295,6 +315,23 @@ impl Dice {
             value = Value::Text("1024".into());
         }
         Command::SetParameter { id, value }
+    }
+
+    fn compare(&mut self) -> Command {
+        let specs = all_specs();
+        let count = self.below(3);
+        let runs = (0..count).map(|_| {
+            let methods = ["cutflow", "cones", "phasefield", "developable"];
+            let spec = &specs[self.below(specs.len())];
+            let values = [(spec.id.clone(), self.value(&spec.kind))];
+            RunRequest {
+                method: self.word(&methods),
+                values: values.into_iter().take(self.below(2)).collect(),
+                name: self.some(|d| d.word(&["Run"])),
+            }
+        });
+        let runs = runs.collect();
+        Command::Compare { runs, steps: Some(self.below(6)), waits: self.once_in(4) }
     }
 
     fn prepare(&mut self, session: &Session) -> Command {
