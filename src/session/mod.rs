@@ -827,9 +827,40 @@ impl Session {
             |spec| format!("change {}", spec.label.to_lowercase()),
         );
         let label = if id.starts_with("preset ") { id.to_owned() } else { label };
+        let depth = self.undo.len();
+        let redo = std::mem::take(&mut self.redo);
         self.remember(&label, &format!("set {id}"));
         let Some(work) = &mut self.work else { return Ok(()) };
-        work.settings = settings;
+        let before = std::mem::replace(&mut work.settings, settings);
+        if let Err(problem) = self.follow_settings(id, effect, restarted, events) {
+            // What cannot be followed is not in force.
+            if let Some(work) = &mut self.work {
+                work.settings = before;
+            }
+            self.undo.truncate(depth);
+            self.redo = redo;
+            return Err(problem);
+        }
+        events.push(self.parameters());
+        events.push(self.presets());
+        events.extend(self.size_event());
+        events.push(self.history_event());
+        events.push(self.status());
+        if matches!(effect, Effect::Export | Effect::Pattern) {
+            self.tell_pattern(events);
+        }
+        Ok(())
+    }
+
+    /// Does what changed settings ask for.
+    fn follow_settings(
+        &mut self,
+        id: &str,
+        effect: Effect,
+        restarted: Option<CutFlow>,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Ok(()) };
         match (effect, restarted) {
             (_, Some(flow)) => {
                 work.begin(flow);
@@ -840,6 +871,7 @@ impl Session {
             (Effect::NextStep | Effect::Restart, None) => {
                 let name = &work.document.name;
                 let fields = work.fields();
+                let params = work.settings.flow_params();
                 if let Some(flow) = &mut work.flow {
                     flow.set_params(params).map_err(|e| Problem::solve(name, &e))?;
                     if ["source", "heat"].contains(&id) {
@@ -869,16 +901,13 @@ impl Session {
             }
             (Effect::Cones, None) => self.cones_are_due(),
             (Effect::ConeSet, None) => self.use_cones_anew(),
-            (Effect::Segments, None) if self.is_segmenting() => self.segment_follow(events)?,
-            (Effect::Segments, None) => {}
-        }
-        events.push(self.parameters());
-        events.push(self.presets());
-        events.extend(self.size_event());
-        events.push(self.history_event());
-        events.push(self.status());
-        if matches!(effect, Effect::Export | Effect::Pattern) {
-            self.tell_pattern(events);
+            (Effect::Segments, None) => {
+                // Those of the other segmentation wait until it is at work.
+                let is_own = specs_of(self.method()).iter().any(|spec| spec.id == id);
+                if self.is_segmenting() && is_own {
+                    self.segment_follow(events)?;
+                }
+            }
         }
         Ok(())
     }

@@ -287,9 +287,8 @@ fn main() {
         return;
     }
     let is_quick = arguments.iter().any(|a| a == "--quick");
-    let value = |name: &str| {
-        arguments.iter().position(|a| a == name).and_then(|i| arguments.get(i + 1))
-    };
+    let value =
+        |name: &str| arguments.iter().position(|a| a == name).and_then(|i| arguments.get(i + 1));
     let json = value("--json");
     // First, while this process is small itself.
     let mut rows = memory::rows();

@@ -65,8 +65,14 @@ impl Target {
         if took > self.memory[0] * bytes.len() + self.memory[1] {
             return wrong(format!("{took} bytes of memory"));
         }
+        // On a busy machine anything may take long: only processor time counts.
         if seconds > self.seconds {
-            return wrong(format!("{seconds:.2} s"));
+            let start = super::processor_seconds();
+            let _ = guarded(|| read(&bytes));
+            let both = start.zip(super::processor_seconds());
+            if let Some(seconds) = both.map(|(a, b)| b - a).filter(|&took| took > self.seconds) {
+                return wrong(format!("{seconds:.2} s"));
+            }
         }
         Ok(())
     }
