@@ -224,6 +224,7 @@ fn a_comparison_pauses_goes_on_waits_to_be_seen_and_can_be_given_up() {
     let table = session.result_table();
     let progress = table.progress.unwrap();
     assert_eq!((table.results.len(), progress.waits_for), (1, Some(table.results[0].id)));
+    assert_eq!((progress.at, &*progress.label), (1, "Cut flow"), "the run that has just ended");
     assert!(session.scene().is_some(), "its picture is there");
     assert_eq!(table.results[0].measures, alone("cutflow", &[]).0, "pausing changes nothing");
     session.handle(Command::NextResult);

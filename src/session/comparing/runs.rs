@@ -24,6 +24,8 @@ pub(in super::super) struct Queue {
     waits_for: Option<usize>,
     pub is_held: bool,
     now: Option<Plan>,
+    /// What the run is called that is at work, or was last.
+    label: String,
     failed: Option<Problem>,
     seconds: Option<f64>,
     /// The result that was made last, as long as no other run has begun.
@@ -53,11 +55,10 @@ struct Aside {
 
 impl Queue {
     pub fn progress(&self) -> ResultProgress {
-        let now = self.now.as_ref().or(self.runs.front());
         ResultProgress {
             at: (self.total - self.runs.len()).max(1),
             of: self.total,
-            label: now.map(|plan| plan.name.clone()).unwrap_or_default(),
+            label: self.label.clone(),
             is_held: self.is_held,
             waits_for: self.waits_for,
         }
@@ -117,6 +118,7 @@ impl Session {
             field: std::mem::replace(&mut self.field, "pieces".into()),
         };
         self.comparing.queue = Some(Queue {
+            label: plans.front().map(|plan| plan.name.clone()).unwrap_or_default(),
             total: plans.len(),
             runs: plans,
             steps: steps.map(|n| n.max(1)),
@@ -246,6 +248,7 @@ impl Session {
             return;
         };
         queue.now = Some(plan.clone());
+        queue.label.clone_from(&plan.name);
         (queue.seconds, queue.last, queue.failed) = (None, None, None);
         let mut work = bare(&queue.aside.start);
         self.log = queue.aside.log.clone();
