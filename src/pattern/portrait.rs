@@ -151,9 +151,7 @@ impl Canvas {
             let [a, b, c] = corners;
             // Twice the area, positive where the outer side is seen; y goes down.
             let area = (c[0] - a[0]) * (b[1] - a[1]) - (b[0] - a[0]) * (c[1] - a[1]);
-            if !(area.is_finite() && area != 0.0)
-                || !corners.as_flattened().iter().all(|x| x.is_finite())
-            {
+            if area == 0.0 || !corners.as_flattened().iter().all(|x| x.is_finite()) {
                 continue;
             }
             let colour = palette[patch as usize % palette.len()].map(f64::from);

@@ -1,9 +1,9 @@
 //! Names that want to be more than names: in files they are text, and nothing else; on disk they stay in their folder.
 
-use cutflow::session::{Command, Event, File, Session, Value};
+use cutflow::session::{Command, File, Session, Value};
 
 use super::documents;
-use super::sound::{KINDS, check_file};
+use super::sound::KINDS;
 
 /// Names that have broken programs.
 const NAMES: [&str; 9] = [
@@ -83,7 +83,7 @@ fn names_that_want_to_be_more_are_text_in_every_file() {
         let files = files(name);
         assert!(files.len() >= 10, "{name:?}: {}", files.len());
         for (kind, file) in &files {
-            check_file(kind, file).unwrap();
+            super::sound::check_file(kind, file).unwrap();
             assert!(file.name.len() <= 120, "{name:?}: {}", file.name);
             let is_plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
             assert!(file.name.chars().all(is_plain), "{name:?}: {}", file.name);
@@ -127,7 +127,7 @@ fn names_that_want_to_be_more_are_text_in_every_file() {
                                 && !part.starts_with('.')
                                 && !part.contains(['\\', ':'])
                         };
-                        assert!(parts.len() <= 2 && parts.iter().all(|p| is_inside(&p)), "{name}");
+                        assert!(parts.len() <= 2 && parts.iter().all(is_inside), "{name}");
                         assert!(!name.contains(char::is_control) && name.len() <= 201, "{name}");
                     }
                 }
@@ -147,13 +147,13 @@ const BIDI: [char; 9] = [
 fn a_name_of_ten_thousand_letters_is_cut_where_it_is_written_and_told() {
     let name = "n".repeat(10_000);
     for (kind, file) in files(&name) {
-        check_file(kind, &file).unwrap();
+        super::sound::check_file(kind, &file).unwrap();
         assert!(file.name.len() <= 120, "{kind}: {} bytes", file.name.len());
     }
     let mut session = Session::new();
     let events = session.open(&format!("{name}.obj"), b"f 1 2 3\n");
     let told = events.iter().find_map(|event| match event {
-        Event::Error { place, .. } => Some(place.clone()),
+        cutflow::session::Event::Error { place, .. } => Some(place.clone()),
         _ => None,
     });
     let told = told.unwrap();
