@@ -206,7 +206,8 @@ impl NestFlow {
         let cells = pitch / wanted.max(coarse);
         let whole =
             if cells < 12.0 { cells.floor().max(1.0) } else { 12.0 * (cells / 12.0).floor() };
-        pitch / whole
+        // A part far thinner than the others is laid on cells wider than itself: cells as fine as needles would be laid for minutes.
+        (pitch / whole).max(0.25 * coarse)
     }
 
     /// One stage.
