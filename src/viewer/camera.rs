@@ -15,7 +15,7 @@ const FIELD_OF_VIEW: f32 = 28.0 * std::f32::consts::PI / 180.0;
 /// How much of the view the surface fills after [`Orbit::fit`].
 const FILL: f32 = 0.94;
 /// Turning ends above the poles: a hair before them, where heights on the screen still have a direction.
-const MAX_PITCH: f32 = 1.5707;
+const MAX_PITCH: f32 = std::f32::consts::FRAC_PI_2 - 1e-4;
 /// Where the eye of a parallel view is said to stand, in front of its target: far enough for all lines of sight to be one
 /// within half a degree, near enough for single precision.
 const FAR_EYE: f32 = 100.0;

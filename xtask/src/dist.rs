@@ -30,7 +30,7 @@ pub fn dist(out: Option<&str>) -> Result<()> {
     let assets = assemble(&out)?;
     println!("{}", out.join("index.html").display());
     sizes::print(&assets.join("pkg"))?;
-    sizes::check(&assets.join("pkg"))
+    sizes::warn(&assets.join("pkg"))
 }
 
 /// Copies what is built into `out` and gives the folder of the assets.
