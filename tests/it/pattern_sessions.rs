@@ -260,10 +260,7 @@ fn every_file_can_be_had_and_all_are_in_one_archive() {
     let zip = written(&mut session, "All files (ZIP)");
     // Pictures are drawn by the engine, the same for page and command: in the archive, and on the cover of the PDF.
     let listed = String::from_utf8_lossy(&zip);
-    assert!(
-        listed.contains("ball-surface.png") && listed.contains("ball-pattern.png"),
-        "no pictures"
-    );
+    assert!(listed.contains("-surface.png") && listed.contains("-pattern.png"), "no pictures");
     let pdf = written(&mut session, "Pattern (PDF)");
     assert!(String::from_utf8_lossy(&pdf).contains("/Subtype /Image"), "no picture on the cover");
     for name in [

@@ -176,7 +176,7 @@ fn several_changes_at_once_lead_where_one_after_the_other_would() {
     let names: Vec<&str> = done.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
         names,
-        ["step", "change cut length", "open second.obj", "step", "change initial cut"]
+        ["step 1", "change cut length", "open second.obj", "step 1", "change initial cut"]
     );
     let meshes: Vec<bool> = done.iter().map(|(_, is_other)| *is_other).collect();
     assert_eq!(meshes, [false, false, true, false, false]);

@@ -71,8 +71,8 @@ impl Queue {
 }
 
 impl Session {
-    /// Whether runs of a comparison are under way.
-    pub(in super::super) fn is_comparing(&self) -> bool {
+    /// Whether runs of a comparison are under way: the document is put aside meanwhile.
+    pub fn is_comparing(&self) -> bool {
         self.comparing.queue.is_some()
     }
 
