@@ -1,4 +1,4 @@
-// The offer to go on where the last visit ended: a strip over the views, beside the sample that runs meanwhile.
+// The offer to go on where the last visit ended: a strip at the foot of the views, beside the sample that runs meanwhile.
 
 import { h, icon } from "../dom.js";
 import { Refused, dropSession, lastSession } from "../saved.js";
@@ -26,7 +26,6 @@ function ago(when) {
  * @param on `open(name, bytes)` opens a project and says whether that worked, `say(sentence)`
  */
 export async function offerRestore(on) {
-  const host = document.querySelector(".notices");
   let strip = null;
   const end = () => strip?.remove();
 
@@ -62,6 +61,6 @@ export async function offerRestore(on) {
     h("button", { class: "btn primary", onclick: () => restore(record) }, "Restore last session"),
     h("button", { class: "icon", "aria-label": "Forget last session", title: "Forget last session", onclick: () => forget(record.key) }, icon("close")),
   );
-  host.append(strip);
+  document.querySelector(".notices").after(strip);
   return { end };
 }

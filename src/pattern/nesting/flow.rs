@@ -197,6 +197,14 @@ impl NestFlow {
         let coarse = (turns as f64 * length * height / count * CELL_COST).sqrt();
         let extents = self.laid.parts.iter().flat_map(|part| part.fits[0].size());
         let least = extents.fold(f64::INFINITY, f64::min);
+        let fits = self.laid.parts.iter().flat_map(|part| &part.fits);
+        let longest = fits.flat_map(|fit| fit.size()).fold(0.0, f64::max);
+        // Needles stand as high as they are long in some of their turns, whatever their area says.
+        let tall = if longest > NEEDLE * (area / count).sqrt() {
+            (turns as f64 * longest * width.min(1e3 * longest) * CELL_COST).sqrt()
+        } else {
+            0.0
+        };
         if self.laid.params.resolution_mm > 0.0 {
             return self.laid.params.resolution_mm.max(coarse);
         }
@@ -207,7 +215,7 @@ impl NestFlow {
         let whole =
             if cells < 12.0 { cells.floor().max(1.0) } else { 12.0 * (cells / 12.0).floor() };
         // A part far thinner than the others is laid on cells wider than itself: cells as fine as needles would be laid for minutes.
-        (pitch / whole).max(0.25 * coarse)
+        (pitch / whole).max(0.25 * coarse).max(tall)
     }
 
     /// One stage.
@@ -359,6 +367,9 @@ impl NestFlow {
         }
     }
 }
+
+/// Longer than so many sides of the square of its size, a part is a needle.
+const NEEDLE: f64 = 10.0;
 
 /// Time of laying on a raster is about this for each turn, row of the stock and row of the part, seconds over what it may take.
 const CELL_COST: f64 = 2e-8;
