@@ -97,9 +97,9 @@ for (const renderer of RENDERERS) {
     }
 
     it("cuts the surface open by a plane, whose inside is dark, and picks what is behind", async () => {
+      await browser.page.keyboard.press("1");
       await away();
       const whole = await picture(SURFACE);
-      await browser.page.keyboard.press("1");
       await choose("Clip");
       const bar = browser.page.getByRole("group", { name: "Clip tools", exact: true });
       await bar.getByRole("slider", { name: "Clip at", exact: true }).fill("500");
@@ -123,7 +123,7 @@ for (const renderer of RENDERERS) {
       await bar.getByRole("button", { name: "End clipping", exact: true }).click();
       assert.equal(await bar.isVisible(), false);
       await away();
-      assert.ok(difference(whole, await picture(SURFACE)) < difference(whole, cut), "it is whole again");
+      assert.ok(difference(whole, await picture(SURFACE)) < 0.5, "it is whole again");
     });
 
     it("shows one piece alone and brings all back", async () => {
@@ -156,11 +156,11 @@ for (const renderer of RENDERERS) {
       assert.ok(Number(along) >= Number(straight) && Number(straight) > 0, text);
       await away();
       assert.ok(changed(plain, await picture(SURFACE)) > 100, "the way is not drawn");
-      assert.equal(await browser.page.locator(".surface .length").isVisible(), true);
+      assert.equal(await browser.page.locator(".surface .length > span").isVisible(), true);
       await screenshot(browser.page, `${renderer.name}-looking-measure`);
       await browser.page.keyboard.press("Escape");
       assert.equal(await browser.page.getByRole("group", { name: "Measure tools", exact: true }).isVisible(), false);
-      assert.equal(await browser.page.locator(".surface .length").isVisible(), false);
+      assert.equal(await browser.page.locator(".surface .length > span").isVisible(), false);
     });
 
     if (renderer !== RENDERERS[0]) {
