@@ -155,10 +155,13 @@ impl Session {
             Pending::Restart => Some(start_flow(&work.document, &settings, &layers, None)?),
             _ => None,
         };
+        let depth = self.undo.len();
+        let redo = std::mem::take(&mut self.redo);
         self.remember(label, label);
         let Some(work) = &mut self.work else { return Ok(()) };
-        work.layers = layers;
-        work.settings = settings;
+        let layers = std::mem::replace(&mut work.layers, layers);
+        let settings = std::mem::replace(&mut work.settings, settings);
+        let was_pending = work.pending;
         match flow {
             Some(flow) => {
                 work.begin(flow);
@@ -166,7 +169,17 @@ impl Session {
             }
             None => {
                 work.pending = work.pending.max(pending);
-                self.catch_up(events)?;
+                if let Err(problem) = self.catch_up(events) {
+                    // What cannot be followed is not in force.
+                    if let Some(work) = &mut self.work {
+                        work.layers = layers;
+                        work.settings = settings;
+                        work.pending = was_pending;
+                    }
+                    self.undo.truncate(depth);
+                    self.redo = redo;
+                    return Err(problem);
+                }
             }
         }
         events.push(self.history_event());
