@@ -230,6 +230,7 @@ fn through(case: &Case) -> Result<String, String> {
 }
 
 #[test]
+#[ignore = "takes minutes: `cargo xtask soak --only degenerate` runs all of it"]
 fn surfaces_that_hardly_are_any_are_flattened_or_refused_with_a_reason() {
     let mut faults = Vec::new();
     for case in cases(false) {
