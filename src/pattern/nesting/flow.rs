@@ -199,9 +199,10 @@ impl NestFlow {
         let least = extents.fold(f64::INFINITY, f64::min);
         let fits = self.laid.parts.iter().flat_map(|part| &part.fits);
         let longest = fits.flat_map(|fit| fit.size()).fold(0.0, f64::max);
-        // Needles stand as high as they are long in some of their turns, whatever their area says.
+        // Needles stand as high as they are long in some of their turns, whatever their area says: at each place all rows of
+        // their mask may be asked.
         let tall = if longest > NEEDLE * (area / count).sqrt() {
-            (turns as f64 * longest * width.min(1e3 * longest) * CELL_COST).sqrt()
+            (turns as f64 * width * longest * longest / NEEDLE_ROWS).cbrt()
         } else {
             0.0
         };
@@ -370,6 +371,9 @@ impl NestFlow {
 
 /// Longer than so many sides of the square of its size, a part is a needle.
 const NEEDLE: f64 = 10.0;
+
+/// Rows that laying needles may ask for: tenths of a second.
+const NEEDLE_ROWS: f64 = 5e7;
 
 /// Time of laying on a raster is about this for each turn, row of the stock and row of the part, seconds over what it may take.
 const CELL_COST: f64 = 2e-8;
