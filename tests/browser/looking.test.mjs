@@ -232,6 +232,8 @@ for (const renderer of RENDERERS) {
       const fitted = await picture(SURFACE);
       await browser.page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
       await browser.page.mouse.wheel(0, 300);
+      // A wheel is not waited for: the double click could come first.
+      await nextFrames();
       await browser.page.mouse.dblclick(box.x + 3, box.y + 3);
       await away();
       assert.ok(difference(fitted, await picture(SURFACE)) < 0.5, "a double click beside everything fits");

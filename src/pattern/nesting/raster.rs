@@ -237,15 +237,20 @@ impl Mask {
                 }
             }
         }
-        for (j, row) in rows.iter_mut().enumerate() {
-            let y = j as f64 + 0.5;
-            let mut crossings: Vec<(f64, i32)> = Vec::new();
-            for [a, b] in outlines.iter().flat_map(|outline| sides(outline)) {
-                if (a[1] <= y) != (b[1] <= y) {
-                    let x = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
-                    crossings.push((x, if a[1] <= y { 1 } else { -1 }));
+        let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); count];
+        for [a, b] in outlines.iter().flat_map(|outline| sides(outline)) {
+            let (low, high) = (a[1].min(b[1]), a[1].max(b[1]));
+            let first = usize::try_from(whole((low - 0.5).ceil())).unwrap_or(0);
+            for (j, row) in crossings.iter_mut().enumerate().skip(first) {
+                let y = j as f64 + 0.5;
+                if y >= high {
+                    break;
                 }
+                let x = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+                row.push((x, if a[1] <= y { 1 } else { -1 }));
             }
+        }
+        for (row, mut crossings) in rows.iter_mut().zip(crossings) {
             crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
             let mut turns = 0;
             for pair in crossings.windows(2) {
