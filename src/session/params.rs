@@ -56,6 +56,13 @@ impl Settings {
                 ("hencky", Value::Number(0.0)),
                 ("size", Value::Number(67.0)),
             ],
+            // Its symmetric seam is the best one only where length is dear enough.
+            Some("tennis_ball") => &[
+                ("dirichlet", Value::Number(3.0)),
+                ("hencky", Value::Number(0.0)),
+                ("length", Value::Number(4.0)),
+                ("size", Value::Number(67.0)),
+            ],
             // Open sheets whose normals differ too little for clusters: a seam across.
             Some("car_hood") => {
                 &[("axis", Value::Text("x".into())), ("size", Value::Number(1400.0))]
@@ -64,7 +71,6 @@ impl Settings {
             _ => &[],
         };
         let size = match sample {
-            Some("tennis_ball") => 67.0,
             Some("volleyball") => 210.0,
             Some("armchair") => 900.0,
             Some("plush_bear") => 350.0,

@@ -234,7 +234,7 @@ for (const renderer of RENDERERS) {
       await browser.page.mouse.wheel(0, 300);
       // A wheel is not waited for: the double click could come first.
       await nextFrames();
-      await browser.page.mouse.dblclick(box.x + 3, box.y + 3);
+      await browser.page.mouse.dblclick(box.x + 8, box.y + 0.6 * box.height);
       await away();
       assert.ok(difference(fitted, await picture(SURFACE)) < 0.5, "a double click beside everything fits");
     });
