@@ -323,6 +323,8 @@ pub fn trades() -> Vec<Trade> {
             "Cut and bend lines, sheets of 2 × 1 m",
             vec![
                 ("folds", on),
+                // Softer bends are rolled, not folded: their radius is told.
+                ("fold_angle", number(15.0)),
                 ("outlines", text("smooth")),
                 ("curve_tolerance", number(0.05)),
                 ("svg_profile", text("laser")),
