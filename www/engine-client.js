@@ -51,11 +51,14 @@ export class EngineClient {
   /** Edits of the cones that are in force. */
   #edits = [];
   #size = null;
+  /** Whether a document is being brought back. */
+  #isReviving = false;
   /** The last time that a slider was taken hold of. */
   #hold = null;
 
   /**
-   * @param on `events(list, spent)`, `scene(scene)`, `restarted(sentence, hasDocument)`, `failed(reason)`, `changed()` when there
+   * @param on `events(list, spent, isReplay)`, a mesh being another one than before unless it is replayed; `scene(scene)`,
+   * `restarted(sentence, hasDocument, back)`, where `back` resolves when the document is back; `failed(reason)`, `changed()` when there
    * is something new to save, `lost(name, file, isClosed)` when a document cannot be brought back as it was: `file` is its last saved project, null for none
    */
   constructor(on) {
@@ -172,8 +175,9 @@ export class EngineClient {
     this.#worker?.postMessage({ type: "taken" });
   }
 
-  /** Throws the worker away in the middle of its work and brings the last good document back. */
+  /** Throws the worker away in the middle of its work and brings the last good document back; closes what takes too long to come back. */
   cancel(sentence) {
+    if (this.#isReviving) [this.#meshes, this.#at] = [[], -1];
     this.#revive(sentence);
   }
 
@@ -255,7 +259,8 @@ export class EngineClient {
         this.#rest(event.state === "preparing", cause);
       }
     }
-    this.#on.events(events, spent);
+    const isReplay = cause === null || cause.isReplay === true;
+    this.#on.events(events, spent, isReplay);
     if (events.some(({ type }) => CHANGED.includes(type))) this.#on.changed();
   }
 
@@ -305,6 +310,7 @@ export class EngineClient {
     if (this.#deaths === 1) this.#rescued = file && { name: this.#saved.name, file };
     if (this.#deaths > ATTEMPTS || !lost) {
       this.#discard();
+      this.#isReviving = false;
       this.#on.failed(reason);
       if (this.#rescued) this.#on.lost(this.#rescued.name, this.#rescued.file, true);
       return;
@@ -334,7 +340,13 @@ export class EngineClient {
     this.#preparing = null;
   }
 
-  async #revive(sentence) {
+  #revive(sentence) {
+    let arrive;
+    const back = new Promise((resolve) => (arrive = resolve));
+    this.#bringBack(sentence, back).then(arrive);
+  }
+
+  async #bringBack(sentence, back) {
     // What was done to the mesh may be what kills it: the second attempt leaves that out, the third the mesh itself.
     const mesh = this.#deaths < ATTEMPTS ? this.#meshes[this.#at] : null;
     const isFirst = this.#deaths < 2;
@@ -346,7 +358,8 @@ export class EngineClient {
     this.#discard();
     this.#spawn();
     const worker = this.#worker;
-    this.#on.restarted(sentence, mesh !== null && mesh !== undefined);
+    this.#isReviving = true;
+    this.#on.restarted(sentence, mesh !== null && mesh !== undefined, back);
     await this.command({ type: "hello" });
     if (!mesh) {
       [this.#meshes, this.#at, this.#saved] = [[], -1, null];
@@ -365,6 +378,7 @@ export class EngineClient {
         if (isFirst) await this.#replay(mesh, values, size, edits);
       }
     }
+    this.#isReviving = false;
     if (this.#worker === worker) this.#trustLater();
   }
 

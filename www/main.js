@@ -158,7 +158,7 @@ const cones = coneMethod({
 });
 const segments = segmentsPanel({
   async select(node) {
-    await client.command({ type: "select_segment", node });
+    await asking("Showing the segment", { type: "select_segment", node });
     showField("weight");
   },
   handOver: () => changing("Starting the cut flow from these segments", { type: "hand_over" }),
@@ -166,7 +166,7 @@ const segments = segmentsPanel({
 const growth = growthPanel({
   sew: (patches, joins) => {
     const isWhole = patches.every((patch) => Number.isInteger(patch) && patch >= 0);
-    if (isWhole) onCut({ type: "sew", patches, joins });
+    if (isWhole) cutting(joins ? "Joining two pieces" : "Keeping two pieces apart", { type: "sew", patches, joins });
     else say("Pieces are named by the numbers that the flattened view shows.");
   },
   handOver: () => changing("Starting the cut flow from these pieces", { type: "hand_over" }),
@@ -201,23 +201,23 @@ const mesh = meshLine(openMeshSection);
 const meshPanel = meshSection(byId("mesh-section"), {
   repair: (id) => changing("Repairing", { type: "repair", id }),
   repairAll,
-  showFinding: (id) => client.command({ type: "show_finding", id }),
-  setUnit: (id) => client.command({ type: "set_unit", id }),
-  setSize: (axis, value) => client.command({ type: "set_size", axis, value }),
+  showFinding: (id) => asking("Marking the finding", { type: "show_finding", id }),
+  setUnit,
+  setSize,
   prepare: (tool, values) => client.command({ type: "prepare", tool, values }),
 });
-const empty = emptyState({ openMesh: openMeshSection, repairAll, toPieces, cut: firstCut, solve: () => onCut({ type: "run" }) });
+const empty = emptyState({ openMesh: openMeshSection, repairAll, toPieces: () => asking("Going back to the pieces", { type: "show_finding", id: null }), cut: firstCut, solve: () => onCut({ type: "run" }) });
 const workshop = patternPanel(
   {
     show: (isShown) => waits.answer("Making the pattern", "The pattern was cancelled.", () => client.command({ type: "show_pattern", is_shown: isShown })),
     change: (id, value) => client.setParameter(id, value),
     trade: (id) => waits.answer("Making the pattern", "The pattern was cancelled.", () => client.command({ type: "apply_trade", id })),
-    nest: () => client.command({ type: "nest" }),
+    nest: () => asking("Beginning a better layout", { type: "nest" }),
     pause: () => client.command({ type: "pause" }),
-    allowance: (seam, mm) => client.command({ type: "set_seam_allowance", seam, mm }),
+    allowance: (seam, mm) => asking("Making the pattern", { type: "set_seam_allowance", seam, mm }),
     save,
-    setUnit: (id) => client.command({ type: "set_unit", id }),
-    setSize: (axis, value) => client.command({ type: "set_size", axis, value }),
+    setUnit,
+    setSize,
   },
 );
 const exports = exportMenu(save, () => workshop.open());
@@ -239,7 +239,7 @@ const updateLegends = paced(125, () => {
   describe();
 });
 const fold = foldTool(
-  () => onPieces({ type: "fold" }),
+  () => waits.answer("Folding the pieces", "Folding was cancelled.", () => onPieces({ type: "fold" })),
   () => client.command({ type: "unfold" }),
 );
 
@@ -313,7 +313,7 @@ const brush = brushPanel(
   {
     paint: (dab) => client.command({ type: "paint", ...dab }),
     rested: () => client.command({ type: "end_stroke" }),
-    clear: (channel) => client.command({ type: "clear_paint", channel }),
+    clear: (channel) => asking("Clearing", { type: "clear_paint", channel }),
     circle: ({ face, x, y, z }) => changing("Starting at a circle", { type: "place_circle", face, place: [x, y, z] }),
     field: showField,
     changed(isOn) {
@@ -366,6 +366,7 @@ const handlers = {
     now.doctor = null;
     now.opened = {};
     now.stages = null;
+    now.scene = null;
     document.title = `Cutflow – ${event.name}`;
     brush.drop();
     views.look.clear();
@@ -469,8 +470,8 @@ const handlers = {
         ? event.options
         : [{ id: "pieces", label: "Pieces" }, ...event.options];
       select.replaceChildren(...options.map(({ id, label }) => h("option", { value: id }, label)));
-      select.value = event.current ?? "pieces";
     }
+    chooseOverlay(event.current ?? "pieces");
   },
   history(event) {
     const { undo, redo } = event;
@@ -493,7 +494,8 @@ const handlers = {
 };
 
 const client = new EngineClient({
-  events(list, spent) {
+  events(list, spent, isReplay) {
+    if (!isReplay && list.some(({ type }) => type === "mesh")) compare.forget();
     for (const event of list) handlers[event.type]?.(event);
     const steps = list.filter((event) => event.type === "energy" && event.step > 0).length;
     if (spent > 0 && !waits.isPreparing()) {
@@ -505,6 +507,7 @@ const client = new EngineClient({
   scene(scene) {
     now.scene = scene;
     views.setScene(scene);
+    explainEmpty();
     texture.scene(scene);
     updateLegends();
     learn.update();
@@ -519,14 +522,18 @@ const client = new EngineClient({
       action: file && { label: "Download its project", run: () => download(file.name, new Blob([file.bytes], { type: file.mime })) },
     });
   },
-  restarted(sentence, hasDocument) {
+  restarted(sentence, hasDocument, back) {
     saving.forget();
     waits.end();
     brush.drop();
     symmetry.rest();
     fold.clear();
+    if (hasDocument) compare.lose(now.opened);
+    else compare.forget();
     say(sentence);
-    if (hasDocument) status.show({ state: "loading", step: 0, text: "Loading the last mesh again" });
+    const [text, given] = hasDocument ? ["Loading the last mesh again", "It was closed, as it took too long to come back."] : ["Starting the solver", "The solver was started again."];
+    waits.answer(text, given, () => back);
+    if (hasDocument) status.show({ state: "loading", step: 0, text });
     else status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
   },
   failed(reason) {
@@ -574,7 +581,7 @@ const learn = learnPanel(
 
 const compare = comparePanel({
   send: (command) => client.command(command),
-  run: onCut,
+  run: (command) => cutting("Setting the runs up", command),
   wait: changing,
   save,
   picture: (isSurface, width, height) => views.thumbnail(isSurface ? SURFACE : FLAT, width, height),
@@ -597,8 +604,11 @@ async function chooseMethod(id) {
   learn.close();
   await endFold();
   await toPieces();
-  const name = WORDS[id]?.label ?? id;
-  await waits.answer(`Changing to ${name}`, `Changing to ${name} was cancelled.`, () => client.command({ type: "set_method", id }));
+  await setMethod(id);
+}
+
+function setMethod(id) {
+  return asking(`Changing to ${WORDS[id]?.label ?? id}`, { type: "set_method", id });
 }
 
 /** Arranges the page for a method: the engine has changed to it. */
@@ -697,8 +707,11 @@ function allow() {
 function explainEmpty() {
   if (isBlocked()) empty.show("blocked", now.doctor?.repair_all.length > 0);
   else if (now.doctor?.shown) empty.show("marked");
-  else empty.show(status.isUncut() ? words().empty : null);
+  // A method may be refused on a surface whose chart is there from before.
+  else empty.show(status.isUncut() && !hasChart() ? words().empty : null);
 }
+
+const hasChart = () => now.scene?.patches.some((patch) => patch.has_chart) === true;
 
 function firstCut() {
   return changing("Making the first cut", { type: "reset" });
@@ -727,9 +740,18 @@ async function onPieces(command) {
 function showField(id) {
   if (id === now.fields.current && !now.doctor?.shown) return;
   const ask = () => onPieces({ type: "show_field", id });
-  // A run goes on by itself, and Cancel would end it: its next field is one step away.
-  if (status.state() === "running") ask();
-  else waits.answer("Computing the field", "The field was cancelled.", ask);
+  if (status.state() !== "running") return waits.answer("Computing the field", "The field was cancelled.", ask);
+  // A run goes on by itself and is no reason to end the engine: the field that was shown is asked for again.
+  const before = now.fields.current ?? "pieces";
+  return waits.ask("Showing the field after this step", ask, () => {
+    chooseOverlay(before);
+    client.command({ type: "show_field", id: before });
+  });
+}
+
+/** What the choices of overlays say. */
+function chooseOverlay(id) {
+  for (const select of document.querySelectorAll("select.overlay")) select.value = id;
 }
 
 async function hideSeams() {
@@ -751,10 +773,28 @@ function repairAll() {
   return changing("Repairing", { type: "repair_all" });
 }
 
-/** Sends a command that gives another mesh at once, with a way out where it takes long. */
+/** Sends a command, with a word and a way out where its answer takes long. */
+function asking(sentence, command) {
+  return waits.answer(sentence, `${sentence} was cancelled.`, () => client.command(command));
+}
+
+/** The same for what gives another mesh or another cut at once. */
 async function changing(sentence, command) {
   await endFold();
-  await waits.answer(sentence, `${sentence} was cancelled.`, () => client.command(command));
+  await asking(sentence, command);
+}
+
+/** The same for what acts on the cut, whose effect is seen on the pieces only. */
+function cutting(sentence, command) {
+  return waits.answer(sentence, `${sentence} was cancelled.`, () => onCut(command));
+}
+
+function setUnit(id) {
+  return asking("Setting the unit", { type: "set_unit", id });
+}
+
+function setSize(axis, value) {
+  return asking("Setting the size", { type: "set_size", axis, value });
 }
 
 /** A tool that does not stop is stopped with its engine. A first cut is not: a new engine would begin it again. */
@@ -847,7 +887,7 @@ function isolatePiece() {
 
 async function measureBetween(from, to) {
   const spot = ({ face, x, y, z }) => ({ face, place: [x, y, z] });
-  await client.command({ type: "measure", from: spot(from), to: spot(to) });
+  await asking("Measuring", { type: "measure", from: spot(from), to: spot(to) });
 }
 
 function showMeasured({ straight_mm, along_mm, path }) {
@@ -945,9 +985,9 @@ async function begin() {
     saving.stayInMemory();
   }
   texture.ask(asked.look);
-  await client.command({ type: "hello" });
+  await waits.answer("Starting the solver", "The solver was started again.", () => client.command({ type: "hello" }));
   // Nothing of another method is shown first.
-  if (asked.method !== now.method && tabs.has(asked.method)) await client.command({ type: "set_method", id: asked.method });
+  if (asked.method !== now.method && tabs.has(asked.method)) await setMethod(asked.method);
   const { options } = now.samples;
   const wanted = asked.sample ?? FIRST_SAMPLE;
   const isKnown = options.length === 0 || options.some(({ name }) => name === wanted);
@@ -958,7 +998,7 @@ async function begin() {
   for (const spec of parameters.specs()) {
     const value = spec.id in asked.values ? valueFor(spec, asked.values[spec.id]) : undefined;
     if (value !== undefined && value !== now.values[spec.id]) {
-      await client.command({ type: "set_parameter", id: spec.id, value });
+      await asking("Setting the parameters", { type: "set_parameter", id: spec.id, value });
     }
   }
   if (now.fields.options.some(({ id }) => id === asked.field)) showField(asked.field);

@@ -57,6 +57,7 @@ export function growthPanel(on) {
       const { pieces, is_active: isActive } = stages.at(-1) ?? {};
       // There are two pieces to choose once merging is over, if it has left two.
       for (const control of [first, second, join, part]) control.disabled = isActive || !(pieces > 1);
+      for (const input of [first, second]) input.max = Math.max(1, pieces ?? 1);
       node.hidden = stages.length === 0;
     },
     clear() {
