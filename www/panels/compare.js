@@ -279,7 +279,9 @@ export function comparePanel(on) {
         const id = `${engines} ${result.id}`;
         cards.set(id, cards.get(result.id));
         cards.delete(result.id);
-        const { size, unit, ...values } = usual[result.method] ?? {};
+        const values = { ...usual[result.method] };
+        // How large the model is changes no measure here.
+        for (const size of ["size", "unit"]) delete values[size];
         for (const setting of result.settings) values[setting.id] = setting.value;
         return { ...result, id, values, isLost: true };
       });
