@@ -4,6 +4,8 @@ import { METHODS } from "./method-words.js";
 
 /** Steps are taken one after the other: a strip that flashes with each would say less than the step itself. */
 const STEP_PATIENCE_MS = 500;
+/** States in which another step may change nothing. */
+const ENDS = ["converged", "stalled"];
 /** How long a tool is given to stop by itself. */
 const GRACE_MS = 20_000;
 
@@ -25,8 +27,12 @@ export function commands(page, act) {
   }
 
   async function takeStep() {
-    if (page.status.state() === "running") await page.client.command({ type: "pause" });
-    page.waits.answer("Taking one step", "The step was cancelled.", () => onCut({ type: "step" }), STEP_PATIENCE_MS);
+    const { status } = page;
+    if (status.state() === "running") await page.client.command({ type: "pause" });
+    const [step, state] = [status.step(), status.state()];
+    await page.waits.answer("Taking one step", "The step was cancelled.", () => onCut({ type: "step" }), STEP_PATIENCE_MS);
+    // A step that is taken at the end changes nothing that could be seen.
+    if (ENDS.includes(state) && status.step() === step && status.state() === state) page.say("There is no step left: it has converged. Reset begins anew.");
   }
 
   function goBack() {

@@ -16,7 +16,7 @@ const TRAVELS = ["undo", "redo", "travel"];
 const HANDWORK = ["paint", "clear_paint", "hide_from_camera", "set_symmetry"];
 const STROKES = 5000;
 /** Events after which a project is another one. */
-const CHANGED = ["history", "energy", "mesh", "size"];
+const CHANGED = ["history", "energy", "mesh", "size", "comparison"];
 /** The same for cones: they are told again after the parameters, whose solution they change. */
 const CONE_EDITS = ["add_cone", "move_cone", "set_cone_angle", "remove_cone"];
 
@@ -51,6 +51,8 @@ export class EngineClient {
   /** Edits of the cones that are in force. */
   #edits = [];
   #size = null;
+  /** Whether runs of a comparison go on: the document is put aside meanwhile, and a project would be that of a run. */
+  #isComparing = false;
   /** Whether a document is being brought back. */
   #isReviving = false;
   /** The last time that a slider was taken hold of. */
@@ -158,8 +160,9 @@ export class EngineClient {
   /** Makes the project between two steps: `{ file, spent }`, `file` null where there is none. It is what a restart begins with. */
   async saveProject() {
     const mesh = this.#meshes[this.#at];
-    if (!mesh) return { file: null, spent: 0 };
+    if (!mesh || this.#isComparing) return { file: null, spent: 0 };
     const answer = await this.#request({ type: "save" });
+    if (this.#isComparing) return { ...answer, file: null };
     // What was made of another mesh meanwhile is no use for this one.
     if (answer.file && mesh === this.#meshes[this.#at]) this.#saved = { file: answer.file, mesh, name: this.document.sample ?? this.document.name };
     return answer;
@@ -250,6 +253,7 @@ export class EngineClient {
       if (event.type === "methods") this.#method = event.current;
       if (event.type === "cones" && !event.is_edited && !event.has_placed) this.#edits = [];
       if (event.type === "size") this.#size = event;
+      if (event.type === "comparison") this.#isComparing = event.progress !== null;
       if (event.type === "mesh") {
         this.#made = cause;
         this.#follow(cause);
@@ -338,6 +342,7 @@ export class EngineClient {
     this.#rested = [];
     this.#opening = null;
     this.#preparing = null;
+    this.#isComparing = false;
   }
 
   #revive(sentence) {

@@ -3,8 +3,8 @@
 import { byId, h, icon } from "../dom.js";
 
 /**
- * @param on `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()`, `cut()` makes the first cut, `solve()`
- * places the first cones
+ * @param on `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()`, `cut()` makes the first cut, `solve()` runs
+ * the method
  */
 export function emptyState(on) {
   const host = byId("empty");
@@ -30,7 +30,10 @@ export function emptyState(on) {
       h("p", {}, "The mesh is not cut yet."),
       h("button", { class: "btn outlined", onclick: on.cut }, "Make the first cut"),
     ],
-    undivided: () => [h("p", {}, "The surface is not divided.")],
+    undivided: () => [
+      h("p", {}, "The surface is not divided yet."),
+      h("button", { class: "btn outlined", onclick: on.solve }, "Divide it"),
+    ],
     unsolved: () => [
       h("p", {}, "No cones yet: they show where the surface is cut."),
       h("button", { class: "btn outlined", onclick: on.solve }, "Place the cones"),

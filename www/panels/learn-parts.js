@@ -42,6 +42,23 @@ export function stageParameters(change) {
   };
 }
 
+/** Formulas are set this much smaller at most. */
+const NARROWEST = 0.6;
+
+/** Sets formulas as large as their column lets them be. */
+export function fitFormulas(lesson) {
+  for (const formula of lesson.querySelectorAll("math[display=block]")) {
+    formula.style.setProperty("--narrow", 1);
+    const { paddingLeft, paddingRight } = getComputedStyle(formula);
+    const { left, width: box } = formula.getBoundingClientRect();
+    const room = box - Number.parseFloat(paddingLeft) - Number.parseFloat(paddingRight);
+    // Rows end with their box; what overflows is told by their parts only.
+    const ends = [...formula.querySelectorAll("*")].map((part) => part.getBoundingClientRect().right);
+    const width = Math.max(...ends) - left - Number.parseFloat(paddingLeft);
+    if (width > room) formula.style.setProperty("--narrow", Math.max(NARROWEST, (0.98 * room) / width));
+  }
+}
+
 /** The papers behind a method; nothing is asked of the network until somebody follows a link. */
 export function papersOf(method) {
   const item = ({ authors, title, where, doi }) => {
