@@ -5,6 +5,8 @@ import { offerRestore } from "./panels/restore.js";
 import { address, valueFor } from "./panels/share.js";
 
 const FIRST_SAMPLE = "ball";
+/** In place of a sample: who always brings a mesh waits for none. */
+const NO_SAMPLE = "none";
 
 /** Brings what the address asks for: sample, method, parameters, view. */
 export async function begin(page, act, asked) {
@@ -17,6 +19,10 @@ export async function begin(page, act, asked) {
   await page.waits.answer("Starting the solver", "The solver was started again.", () => page.client.command({ type: "hello" }));
   // Nothing of another method is shown first.
   if (asked.method !== now.method && page.tabs.has(asked.method)) await act.setMethod(asked.method);
+  if (asked.sample === NO_SAMPLE) {
+    page.status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
+    return;
+  }
   const { options } = now.samples;
   const wanted = asked.sample ?? FIRST_SAMPLE;
   const isKnown = options.length === 0 || options.some(({ name }) => name === wanted);

@@ -4,15 +4,18 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open } from "./chromium.mjs";
+import { RENDERERS } from "./chromium.mjs";
 import { ellipsoid } from "./meshes.mjs";
-import { Page } from "./page.mjs";
+import { begin } from "./page.mjs";
 
 const [renderer] = RENDERERS;
 /** The audit is put into the page as text: what the page itself may load is none of its business. */
 const AXE = await readFile(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
 const GRAVE = ["serious", "critical"];
-const WIDTHS = [[1280, 800], [390, 844]];
+const DESKTOP = { width: 1280, height: 800, themes: ["light", "dark"] };
+/** What the phone shows has the colours of the desktop: those of the dark theme are looked at where it shows something of its own. */
+const PHONE = { width: 390, height: 844, themes: ["light"] };
+const PHONE_DARK = { ...PHONE, themes: ["light", "dark"] };
 const METHODS = ["Cones", "Phase field", "Developable patches", "Cut flow"];
 const WORKSHOP = "Allowance, notches, sheet …";
 
@@ -29,12 +32,12 @@ async function audit(page, rules) {
     .flatMap(({ id, impact, nodes }) => nodes.map(({ target, failureSummary }) => `${impact} ${id} at ${target.join(" ")}: ${failureSummary}`));
 }
 
-/** Audits the page in both themes and at both widths: of the dark one the colours, as nothing else differs. */
-async function everywhere(page, state, widths = WIDTHS) {
+/** Audits the page in windows and themes: of the dark one the colours, as nothing else differs. */
+async function everywhere(page, state, windows = [DESKTOP, PHONE]) {
   const all = [];
-  for (const [width, height] of widths) {
+  for (const { width, height, themes } of windows) {
     await page.setViewportSize({ width, height });
-    for (const colorScheme of ["light", "dark"]) {
+    for (const colorScheme of themes) {
       await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
       // Colours are settled by the next frame, as nothing moves.
       await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
@@ -50,15 +53,8 @@ async function everywhere(page, state, widths = WIDTHS) {
 describe("the audit", { timeout: 600_000 }, () => {
   let browser, page, tab;
   before(async () => {
-    browser = await open(renderer);
-    tab = browser.page;
-    page = new Page(tab);
-    await tab.addInitScript(AXE);
-    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
     // The page is audited, not the solvers: 642 vertices keep nobody waiting.
-    await page.dropFile("ellipsoid.obj", ellipsoid(3));
-    await page.until("it is open", () => tab.title(), (title) => title.includes("ellipsoid"));
-    await page.status(/^Ready/);
+    ({ browser, page, tab } = await begin(renderer, { mesh: ellipsoid(3), script: AXE }));
   });
   after(() => browser?.close());
 
@@ -71,7 +67,7 @@ describe("the audit", { timeout: 600_000 }, () => {
     await tab.evaluate(() => document.querySelector("#orbit").setAttribute("aria-label", "Orbit"));
   });
 
-  it("finds nothing in the page at rest", () => everywhere(tab, "at rest"));
+  it("finds nothing in the page at rest", () => everywhere(tab, "at rest", [DESKTOP, PHONE_DARK]));
 
   it("finds nothing after a few steps", async () => {
     for (const step of [1, 2]) {
@@ -127,10 +123,10 @@ describe("the audit", { timeout: 600_000 }, () => {
       await tab.getByRole("tab", { name: method, exact: true }).click();
       await page.until("the method is shown", () => tab.getByRole("tab", { name: method, exact: true }).getAttribute("aria-selected"), (on) => on === "true");
       await page.status(/^(Ready|Paused|Converged)/);
-      await everywhere(tab, method);
+      await everywhere(tab, method, [DESKTOP, PHONE_DARK]);
       await page.press("Learn");
       // All lessons are set alike: one of them is enough for the phone.
-      await everywhere(tab, `Learn of ${method}`, method === "Cut flow" ? WIDTHS : WIDTHS.slice(0, 1));
+      await everywhere(tab, `Learn of ${method}`, method === "Cut flow" ? [DESKTOP, PHONE_DARK] : [DESKTOP]);
       await tab.keyboard.press("Escape");
     });
   }
@@ -192,12 +188,7 @@ function missed() {
 describe("the keyboard alone", { timeout: 600_000 }, () => {
   let browser, page, tab;
   before(async () => {
-    browser = await open(renderer);
-    tab = browser.page;
-    page = new Page(tab);
-    await page.visit(`${PAGE}?renderer=${renderer.query}&sample=ball&run=0`);
-    await page.status(/^Ready/);
-    await tab.waitForSelector("html[data-renderer]", { state: "attached" });
+    ({ browser, page, tab } = await begin(renderer, { query: "sample=ball&run=0" }));
     await page.until("the surface is described", () => tab.locator("#surface-words").textContent(), (text) => text !== "");
   });
   after(() => browser?.close());

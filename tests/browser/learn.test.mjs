@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { COARSE, PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
 import { ellipsoid } from "./meshes.mjs";
 import { Page } from "./page.mjs";
 
@@ -28,7 +28,7 @@ describe("Learn", { timeout: 600_000 }, () => {
   let browser, page;
   const foreign = [];
   before(async () => {
-    browser = await open(renderer);
+    browser = await open(renderer, COARSE);
     page = new Page(browser.page);
     browser.page.on("request", ({ url }) => /^https?:/.test(url()) && !url().startsWith(new URL(PAGE).origin) && foreign.push(url()));
     // What the engine and the page tell each other.
@@ -279,7 +279,7 @@ describe("Learn", { timeout: 600_000 }, () => {
 describe("the welcome", { timeout: 600_000 }, () => {
   let browser, page;
   before(async () => {
-    browser = await open(renderer);
+    browser = await open(renderer, COARSE);
     page = new Page(browser.page);
   });
   after(() => browser?.close());

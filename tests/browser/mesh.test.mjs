@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { COARSE, PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
 import { asGlb, asObj, asOff, asPly, asStl, ellipsoid, parseObj, withFlippedFaces, withTouchingHoles } from "./meshes.mjs";
 import { Page } from "./page.mjs";
 import { decodePng, difference } from "./pixels.mjs";
@@ -22,9 +22,9 @@ const [renderer] = RENDERERS;
 describe("meshes as they come", { timeout: 600_000 }, () => {
   let browser, page;
   before(async () => {
-    browser = await open(renderer);
+    browser = await open(renderer, COARSE);
     page = new Page(browser.page);
-    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
+    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0&sample=none`);
   });
   after(() => browser?.close());
 

@@ -24,7 +24,7 @@ export function growthPanel(on) {
       h("thead", {}, h("tr", {}, ...["Stage", "Pieces", "Seam"].map((name) => h("th", { scope: "col" }, name)))),
       body,
     ),
-    h("div", { class: "sew", role: "group", "aria-label": "Two pieces" }, "Pieces ", first, " and ", second, join, part),
+    h("div", { class: "sew", role: "group", "aria-label": "Two pieces" }, h("span", {}, "Pieces ", first, " and ", second), h("span", {}, join, part)),
     h("button", { class: "act", title: "Starts the cut flow from these pieces: it moves their borders to lower the distortion", onclick: on.handOver }, "Improve by the cut flow"),
   );
   let rows = [];
