@@ -223,7 +223,7 @@ const views = new Views(stages, {
     measureRuler.show(views.pixelsPerUnit(), now.pattern);
     texture.show(now.pattern);
     learn.drawn();
-    compare.drawn();
+    if (views.isNewest()) compare.drawn();
   },
   hover: (patch) => pieces.light(patch, true),
   describe: act.tipFor,
