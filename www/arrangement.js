@@ -110,10 +110,17 @@ export function arrangement(page, act) {
 
   /** Says why the flattened view has nothing to show, where it has not. */
   function explainEmpty() {
-    if (isBlocked()) page.empty.show("blocked", now.doctor?.repair_all.length > 0);
+    if (page.status.state() === "empty") page.empty.show("none");
+    else if (isBlocked()) page.empty.show("blocked", now.doctor?.repair_all.length > 0);
     else if (now.doctor?.shown) page.empty.show("marked");
     // A method may be refused on a surface whose chart is there from before.
     else page.empty.show(page.status.isUncut() && !hasChart() ? words().empty : null);
+  }
+
+  /** No mesh is open. */
+  function showNothing() {
+    page.status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
+    explainEmpty();
   }
 
   const hasChart = () => now.scene?.patches.some((patch) => patch.has_chart) === true;
@@ -178,6 +185,7 @@ export function arrangement(page, act) {
     marked,
     allow,
     explainEmpty,
+    showNothing,
     openMeshSection,
     tipFor,
     fieldWords,

@@ -20,7 +20,7 @@ export async function begin(page, act, asked) {
   // Nothing of another method is shown first.
   if (asked.method !== now.method && page.tabs.has(asked.method)) await act.setMethod(asked.method);
   if (asked.sample === NO_SAMPLE) {
-    page.status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
+    act.showNothing();
     return;
   }
   const { options } = now.samples;

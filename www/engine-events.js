@@ -197,7 +197,7 @@ export function engineListener(page, act) {
       const [text, given] = hasDocument ? ["Loading the last mesh again", "It was closed, as it took too long to come back."] : ["Starting the solver", "The solver was started again."];
       page.waits.answer(text, given, () => back);
       if (hasDocument) page.status.show({ state: "loading", step: 0, text });
-      else page.status.show({ state: "empty", step: 0, text: "Ready: open a mesh or choose a sample" });
+      else act.showNothing();
     },
     failed(reason) {
       page.waits.end();

@@ -168,6 +168,7 @@ const meshPanel = meshSection(byId("mesh-section"), {
   prepare: (tool, values) => client.command({ type: "prepare", tool, values }),
 });
 const empty = emptyState({
+  chooseMesh: () => byId("file").click(),
   openMesh: act.openMeshSection,
   repairAll: act.repairAll,
   toPieces: () => act.asking("Going back to the pieces", { type: "show_finding", id: null }),

@@ -19,21 +19,25 @@ const PHONE_DARK = { ...PHONE, themes: ["light", "dark"] };
 const METHODS = ["Cones", "Phase field", "Developable patches", "Cut flow"];
 const WORKSHOP = "Allowance, notches, sheet …";
 
-/** What is wrong in the page as it stands, one line a finding; nothing where all is well. */
-async function audit(page, rules) {
+/** What is wrong in the page as it stands or within a part of it, one line a finding; nothing where all is well. */
+async function audit(page, rules, within) {
   const runOnly = rules ? { type: "rule", values: rules } : null;
-  const found = await page.evaluate(async (runOnly) => {
+  const found = await page.evaluate(async ([runOnly, within]) => {
     // Only the page of today is looked at, so nothing has to be scrolled or loaded for it.
     const options = { resultTypes: ["violations"], iframes: false, preload: false, ...(runOnly ? { runOnly } : {}) };
-    return (await window.axe.run(document, options)).violations;
-  }, runOnly);
+    return (await window.axe.run(within ?? document, options)).violations;
+  }, [runOnly, within]);
   return found
     .filter(({ impact }) => GRAVE.includes(impact))
     .flatMap(({ id, impact, nodes }) => nodes.map(({ target, failureSummary }) => `${impact} ${id} at ${target.join(" ")}: ${failureSummary}`));
 }
 
-/** Audits the page in windows and themes: of the dark one the colours, as nothing else differs. */
-async function everywhere(page, state, windows = [DESKTOP, PHONE]) {
+/**
+ * Audits the page in windows and themes: of the dark one the colours, as nothing else differs. Where a state adds a part to a page that was
+ * audited before, it is looked for `within` that part only.
+ */
+async function everywhere(page, state, { within = null, windows = [DESKTOP, PHONE] } = {}) {
+  if (within) assert.ok(await page.locator(within).first().isVisible(), `${within} is not shown`);
   const all = [];
   for (const { width, height, themes } of windows) {
     await page.setViewportSize({ width, height });
@@ -41,7 +45,7 @@ async function everywhere(page, state, windows = [DESKTOP, PHONE]) {
       await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
       // Colours are settled by the next frame, as nothing moves.
       await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
-      const found = await audit(page, colorScheme === "dark" ? ["color-contrast"] : null);
+      const found = await audit(page, colorScheme === "dark" ? ["color-contrast"] : null, within);
       all.push(...found.map((line) => `${state}, ${width} px, ${colorScheme}: ${line}`));
     }
   }
@@ -67,7 +71,7 @@ describe("the audit", { timeout: 600_000 }, () => {
     await tab.evaluate(() => document.querySelector("#orbit").setAttribute("aria-label", "Orbit"));
   });
 
-  it("finds nothing in the page at rest", () => everywhere(tab, "at rest", [DESKTOP, PHONE_DARK]));
+  it("finds nothing in the page at rest", () => everywhere(tab, "at rest", { windows: [DESKTOP, PHONE_DARK] }));
 
   it("finds nothing after a few steps", async () => {
     for (const step of [1, 2]) {
@@ -79,17 +83,17 @@ describe("the audit", { timeout: 600_000 }, () => {
 
   it("finds nothing in the Export menu and the link", async () => {
     await page.press("Export");
-    await everywhere(tab, "Export");
+    await everywhere(tab, "Export", { within: "#export-menu" });
     await tab.keyboard.press("Escape");
     await page.press("Share");
-    await everywhere(tab, "Share");
+    await everywhere(tab, "Share", { within: "#share-pop" });
     await tab.keyboard.press("Escape");
   });
 
   it("finds nothing with a brush in hand and a field shown", async () => {
     await tab.getByLabel("Surface overlay", { exact: true }).selectOption({ index: 1 });
     await page.press("Brush");
-    await everywhere(tab, "brush");
+    await everywhere(tab, "brush", { within: ".view" });
     await page.press("Brush");
     await tab.getByLabel("Surface overlay", { exact: true }).selectOption("pieces");
   });
@@ -97,7 +101,7 @@ describe("the audit", { timeout: 600_000 }, () => {
   it("finds nothing in the open Mesh section and all groups of parameters", async () => {
     await page.openMeshSection();
     await tab.evaluate(() => document.querySelectorAll("#parameters details").forEach((details) => (details.open = true)));
-    await everywhere(tab, "Mesh section");
+    await everywhere(tab, "Mesh section", { within: "#parameters" });
   });
 
   it("finds nothing in the pattern workshop", async () => {
@@ -106,7 +110,7 @@ describe("the audit", { timeout: 600_000 }, () => {
     const dialog = tab.getByRole("dialog", { name: "Pattern", exact: true });
     await page.until("the sheet is told", () => dialog.locator(".facts").textContent(), (text) => /^\d+ pieces? on/.test(text));
     await tab.evaluate(() => document.querySelectorAll("#pattern details").forEach((details) => (details.open = true)));
-    await everywhere(tab, "workshop");
+    await everywhere(tab, "workshop", { within: "#pattern" });
     await tab.keyboard.press("Escape");
     await dialog.waitFor({ state: "hidden" });
   });
@@ -114,7 +118,7 @@ describe("the audit", { timeout: 600_000 }, () => {
   it("finds nothing while an error is shown", async () => {
     await page.chooseFile("page.obj", "<!doctype html>\n");
     await page.error();
-    await everywhere(tab, "error");
+    await everywhere(tab, "error", { within: ".notices" });
     await tab.keyboard.press("Escape");
   });
 
@@ -123,10 +127,10 @@ describe("the audit", { timeout: 600_000 }, () => {
       await tab.getByRole("tab", { name: method, exact: true }).click();
       await page.until("the method is shown", () => tab.getByRole("tab", { name: method, exact: true }).getAttribute("aria-selected"), (on) => on === "true");
       await page.status(/^(Ready|Paused|Converged)/);
-      await everywhere(tab, method, [DESKTOP, PHONE_DARK]);
+      await everywhere(tab, method, { windows: [DESKTOP, PHONE_DARK] });
       await page.press("Learn");
       // All lessons are set alike: one of them is enough for the phone.
-      await everywhere(tab, `Learn of ${method}`, method === "Cut flow" ? [DESKTOP, PHONE_DARK] : [DESKTOP]);
+      await everywhere(tab, `Learn of ${method}`, { within: "#learn-panel", windows: method === "Cut flow" ? [DESKTOP, PHONE_DARK] : [DESKTOP] });
       await tab.keyboard.press("Escape");
     });
   }

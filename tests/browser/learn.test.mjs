@@ -98,6 +98,8 @@ describe("Learn", { timeout: 600_000 }, () => {
       assert.match(await browser.page.locator("#stages [aria-current=step]").textContent(), new RegExp(title.replace("/", ".")));
       await page.until(`the field of ${title}`, overlay, (id) => id === field);
       await page.until(`the numbers of ${title}`, () => lesson().locator("table tr").count(), (count) => count > 0);
+      const { excess } = await browser.page.evaluate(sizes);
+      assert.equal(excess[2], 0, `${title}: a formula is wider than its column`);
       await screenshot(browser.page, `learn-${i + 1}`);
       if (i + 1 < STAGES.length) await lesson().locator(".nav .primary").press("Enter");
     }

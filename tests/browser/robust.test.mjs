@@ -123,9 +123,9 @@ describe("robust page", { timeout: 900_000 }, () => {
     it("are not kept before somebody has done something", async () => {
       const page = await tab(await visitor());
       await page.visit(`${PAGE}?renderer=webgl`);
-      await page.status(/^Running step ([2-9]|\d\d)/);
+      await page.status(/^(Running step ([2-9]|\d\d)|Converged)/);
       await page.pressAtOnce("Pause");
-      await page.status(/^Paused/);
+      await page.status(/^(Paused|Converged)/);
       // Twice as long as what is done by hand takes to be kept.
       await page.page.waitForTimeout(2000);
       assert.deepEqual(await records(page), []);
@@ -218,8 +218,11 @@ describe("robust page", { timeout: 900_000 }, () => {
     it("in the middle of a run loses no more than the time since", async () => {
       // Trust comes back only with time; another page is faster.
       const other = await tab(await visitor({}, recordWorkers));
-      await other.visit(`${PAGE}?renderer=webgl`);
-      await other.status(/^Running step ([3-9]|\d\d)/);
+      await other.visit(EMPTY);
+      await other.bring("mine.obj", ellipsoid(4));
+      const running = other.status(/^Running step ([3-9]|\d\d)/);
+      await other.pressAtOnce("Run");
+      await running;
       await endWorkers(other.page);
       await other.page.getByText(/The solver stopped and was started again/).waitFor();
       await other.status(/^(Paused|Ready|Converged)/);
@@ -281,6 +284,32 @@ describe("robust page", { timeout: 900_000 }, () => {
       await page.drawn();
       const fitted = decodePng(await canvas.screenshot());
       assert.ok(difference(again, fitted) > 1, "it was nearer than all of it");
+      assert.deepEqual(page.troubles, []);
+    });
+
+    it("that are lost keep what was pinned, in both views", async () => {
+      const page = await tab(await visitor());
+      await page.visit(EMPTY);
+      await page.bring("mine.obj", SMALL);
+      await page.page.getByLabel("Surface overlay", { exact: true }).selectOption("u");
+      await page.until("the field", () => page.page.locator(".surface .legend .title").count(), (count) => count === 1);
+      const box = await page.canvas("Surface view").boundingBox();
+      const pins = page.page.getByRole("button", { name: /^Pinned/ });
+      const said = () => pins.evaluateAll((list) => list.map((pin) => [pin.textContent, pin.getBoundingClientRect().x, pin.getBoundingClientRect().y]));
+      await page.page.mouse.click(box.x + 0.5 * box.width, box.y + 0.45 * box.height);
+      await page.until("pins", () => pins.count(), (count) => count === 2);
+      await page.page.keyboard.press("ArrowLeft");
+      await page.drawn();
+      const before = await said();
+      await page.page.evaluate(() => {
+        for (const canvas of document.querySelectorAll("canvas[role=img]")) {
+          canvas.dataset.lost = "";
+          canvas.getContext("webgl2").getExtension("WEBGL_lose_context").loseContext();
+        }
+      });
+      await page.page.waitForFunction(() => document.querySelectorAll("canvas[role=img]:not([data-lost])").length === 2);
+      const isSame = ([value, x, y], i) => value === before[i][0] && Math.hypot(x - before[i][1], y - before[i][2]) < 2;
+      await page.until("the pins where they were", said, (now) => now.length === before.length && now.every(isSame));
       assert.deepEqual(page.troubles, []);
     });
 

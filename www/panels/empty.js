@@ -3,13 +3,17 @@
 import { byId, h, icon } from "../dom.js";
 
 /**
- * @param on `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()`, `cut()` makes the first cut, `solve()` runs
+ * @param on `chooseMesh()` asks for a file, `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()`, `cut()` makes the first cut, `solve()` runs
  * the method
  */
 export function emptyState(on) {
   const host = byId("empty");
   const action = (label, run) => h("button", { class: "btn primary", onclick: run }, label);
   const states = {
+    none: () => [
+      h("p", {}, "No mesh is open: drop one here, or choose a sample."),
+      action("Open a mesh", on.chooseMesh),
+    ],
     blocked: (canRepair) => [
       icon("block"),
       h(
