@@ -56,7 +56,7 @@ for (const renderer of RENDERERS) {
   describe(`cones with ${renderer.name}`, { timeout: 600_000 }, () => {
     let browser, page;
     before(async () => {
-      ({ browser, page } = await begin(renderer, { query: "method=cones&run=0", name: "dented.obj", mesh: asObj(DENTED), script: recordCommands, pixels: 1 }));
+      ({ browser, page } = await begin(renderer, { query: "method=cones&run=0", name: "dented.obj", mesh: asObj(DENTED), script: recordCommands, pixels: 1, ready: /^(Ready$|Converged)/ }));
     });
     after(() => browser?.close());
 

@@ -8,14 +8,14 @@ import { COARSE, PAGE, PATIENCE_MS, open } from "./chromium.mjs";
  * A browser with the page in it, at rest: `{ browser, page, tab }`. With a `mesh` that one is open, and no sample was before it; `script`
  * runs in the page before its own. Tests that compare pictures ask for all `pixels`.
  */
-export async function begin(renderer, { query = "run=0", name = "mesh.obj", mesh = null, script = null, pixels = COARSE } = {}) {
+export async function begin(renderer, { query = "run=0", name = "mesh.obj", mesh = null, script = null, pixels = COARSE, ready } = {}) {
   const browser = await open(renderer, pixels);
   const page = new Page(browser.page);
   if (script) await page.page.addInitScript(script);
   await page.visit(`${PAGE}?renderer=${renderer.query}&${mesh ? "sample=none&" : ""}${query}`);
   await page.page.waitForSelector("html[data-renderer]", { state: "attached" });
   if (await page.page.locator("html").getAttribute("data-renderer") !== renderer.name) throw new Error(`the page is not drawn with ${renderer.name}`);
-  if (mesh) await page.bring(name, mesh);
+  if (mesh) await page.bring(name, mesh, ready);
   return { browser, page, tab: page.page };
 }
 
@@ -57,11 +57,11 @@ export class Page {
     await this.page.getByLabel("Open mesh", { exact: true }).setInputFiles(file);
   }
 
-  /** Drops a mesh on the page, and waits until it is open and ready. */
-  async bring(name, content) {
+  /** Drops a mesh on the page, and waits until it is open and ready: cones are solved at once. */
+  async bring(name, content, ready = /^Ready$/) {
     await this.dropFile(name, content);
     await this.until(`${name} is open`, () => this.page.title(), (title) => title.endsWith(name));
-    await this.status(/^Ready$/);
+    await this.status(ready);
   }
 
   /** Waits for frames after which whatever was asked for is drawn: the newest scene may take one or two to reach the canvas. */
