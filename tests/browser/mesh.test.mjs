@@ -87,6 +87,40 @@ describe("meshes as they come", { timeout: 600_000 }, () => {
     await page.until("the size before", () => page.sizes(), (sizes) => areLengths(sizes, [200, 160, 120]));
   });
 
+  it("says what is waited for when the solver takes long, and waits no longer than one wants", async () => {
+    const wait = browser.page.locator("#wait");
+    const size = page.meshSection("Size");
+    const unit = size.getByLabel("Unit", { exact: true });
+    const width = size.getByLabel("Width (x)", { exact: true });
+    /** Runs in the worker: keeps it busy. */
+    const block = (milliseconds) => {
+      const end = performance.now() + milliseconds;
+      while (performance.now() < end);
+    };
+    const toUnit = () => unit.selectOption("cm");
+    const toSize = async () => {
+      await width.fill("150");
+      await width.press("Enter");
+    };
+    for (const [words, change] of [["Setting the unit", toUnit], ["Setting the size", toSize]]) {
+      const busy = browser.page.workers()[0].evaluate(block, 2000);
+      await change();
+      await page.until(words, () => wait.locator("span").textContent(), (text) => text === words);
+      await wait.waitFor({ state: "visible" });
+      await busy;
+      await wait.waitFor({ state: "hidden" });
+      await page.press("Undo");
+      await page.until("the size before", () => page.sizes(), (sizes) => areLengths(sizes, [200, 160, 120]));
+    }
+    browser.page.workers()[0].evaluate(block, 30_000).catch(() => {});
+    await toUnit();
+    await wait.getByRole("button", { name: "Cancel", exact: true }).click();
+    await browser.page.getByText("Setting the unit was cancelled.").waitFor();
+    await page.status(/^Ready$/);
+    await wait.waitFor({ state: "hidden" });
+    assert.ok(areLengths(await page.sizes(), [200, 160, 120]), "the size has changed");
+  });
+
   const DAMAGED = {
     "touching-holes.obj": asObj(withTouchingHoles(MESH)),
     "flipped.obj": asObj(withFlippedFaces(MESH)),
