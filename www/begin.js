@@ -19,6 +19,8 @@ export async function begin(page, act, asked) {
   await page.waits.answer("Starting the solver", "The solver was started again.", () => page.client.command({ type: "hello" }));
   // Nothing of another method is shown first.
   if (asked.method !== now.method && page.tabs.has(asked.method)) await act.setMethod(asked.method);
+  // Somebody may have been faster.
+  if (page.client.isOpening || page.client.document) return;
   if (asked.sample === NO_SAMPLE) {
     act.showNothing();
     return;

@@ -72,10 +72,9 @@ describe("steering the cut", { timeout: 600_000 }, () => {
     assert.ok(await first().evaluate((node) => node.open), "the first group is open at first");
     await first().locator("summary").press("Enter");
     await browser.page.reload();
-    await page.status(/^(Ready|Paused|Converged)/);
+    await page.bring("ellipsoid.obj", asObj(MESH));
     assert.ok(!(await first().evaluate((node) => node.open)), "it is folded still");
     await first().locator("summary").press("Enter");
-    await page.bring("ellipsoid.obj", asObj(MESH));
   });
 
   it("sets several parameters with a preset, two clicks from anywhere", async (t) => {
