@@ -224,8 +224,10 @@ for (const renderer of RENDERERS) {
       await away();
       const fitted = await picture(SURFACE);
       await browser.page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
-      await browser.page.mouse.wheel(0, 300);
       // A wheel is not waited for: the double click could come first.
+      await browser.page.evaluate(() => void (window.wheeled = new Promise((done) => addEventListener("wheel", () => done(true), { once: true }))));
+      await browser.page.mouse.wheel(0, 300);
+      await browser.page.evaluate(() => window.wheeled);
       await nextFrames();
       await browser.page.mouse.dblclick(box.x + 3, box.y + 3);
       await away();
