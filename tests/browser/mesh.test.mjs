@@ -98,18 +98,19 @@ describe("meshes as they come", { timeout: 600_000 }, () => {
       while (performance.now() < end);
     };
     const toUnit = () => unit.selectOption("cm");
-    const toSize = async () => {
-      await width.fill("150");
+    const toWidth = (value) => async () => {
+      await width.fill(value);
       await width.press("Enter");
     };
-    for (const [words, change] of [["Setting the unit", toUnit], ["Setting the size", toSize]]) {
+    // Sizes that follow each other are one change for Undo.
+    for (const [words, change, back] of [["Setting the unit", toUnit, () => page.press("Undo")], ["Setting the size", toWidth("150"), toWidth("200")]]) {
       const busy = browser.page.workers()[0].evaluate(block, 2000);
       await change();
       await page.until(words, () => wait.locator("span").textContent(), (text) => text === words);
       await wait.waitFor({ state: "visible" });
       await busy;
       await wait.waitFor({ state: "hidden" });
-      await page.press("Undo");
+      await back();
       await page.until("the size before", () => page.sizes(), (sizes) => areLengths(sizes, [200, 160, 120]));
     }
     browser.page.workers()[0].evaluate(block, 30_000).catch(() => {});
