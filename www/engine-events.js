@@ -194,8 +194,8 @@ export function engineListener(page, act) {
       if (hasDocument) page.compare.lose(now.opened);
       else page.compare.forget();
       page.say(sentence);
-      const [text, given] = hasDocument ? ["Loading the last mesh again", "It was closed, as it took too long to come back."] : ["Starting the solver", "The solver was started again."];
-      page.waits.answer(text, given, () => back);
+      const text = hasDocument ? "Loading the last mesh again" : "Starting the solver";
+      page.waits.answer(text, hasDocument ? "It was closed, as it took too long to come back." : "The solver was started again.", () => back);
       if (hasDocument) page.status.show({ state: "loading", step: 0, text });
       else act.showNothing();
     },

@@ -50,7 +50,12 @@ export function comparePanel(on) {
   const head = h("thead");
   const body = h("tbody");
   const sheet = h("div", { class: "numbers-table", tabindex: "0", role: "group", "aria-label": "Comparison, scrolls" }, h("table", {}, h("caption", { class: "sr" }, "Comparison"), head, body));
-  const renew = h("button", { type: "button", class: "btn outlined", title: "Runs each of them again, to its end, with the parameters that it had", onclick: makeAgain }, icon("run"), h("span", {}, "Run them again"));
+  const renew = h(
+    "button",
+    { type: "button", class: "btn outlined", title: "Runs each of them again, to its end, with the parameters that it had", onclick: makeAgain },
+    icon("run"),
+    h("span", {}, "Run them again"),
+  );
   const past = h("p", { class: "past", hidden: true }, h("span"), renew);
   const nothing = h(
     "p",
@@ -135,7 +140,8 @@ export function comparePanel(on) {
     list.parentElement.hidden = all().length === 0;
     past.hidden = lost.results.length === 0;
     renew.disabled = isBusy || blocked;
-    write(past.firstElementChild, `The solver was started again: ${plural(lost.results.length, "result")} from before ${lost.results.length === 1 ? "stays" : "stay"} to be read, and cannot be shown or saved.`);
+    const stay = `${plural(lost.results.length, "result")} from before ${lost.results.length === 1 ? "stays" : "stay"} to be read`;
+    write(past.firstElementChild, `The solver was started again: ${stay}, and cannot be shown or saved.`);
     const now = table.progress;
     write(progress, now ? `${now.is_held ? "Paused" : "Running"}: ${now.label}, ${now.at} of ${now.of}` : "");
   }
