@@ -42,7 +42,7 @@ describe("twenty documents in a row", { timeout: 600_000 }, () => {
         };
       }
     });
-    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0&sample=none`);
+    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0&sample=car_hood`);
     await tab.waitForSelector("html[data-renderer]", { state: "attached" });
     devtools = await tab.context().newCDPSession(tab);
   });
