@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { COARSE, PAGE, RENDERERS, open } from "./chromium.mjs";
+import { PAGE, RENDERERS, open } from "./chromium.mjs";
 import { asOff, asStl, ellipsoid, parseObj } from "./meshes.mjs";
 import { Page } from "./page.mjs";
 
@@ -22,7 +22,7 @@ const FILES = [["one.obj", text], ["two.off", asOff(mesh)], ["three.stl", asStl(
 describe("twenty documents in a row", { timeout: 600_000 }, () => {
   let browser, page, tab, devtools;
   before(async () => {
-    browser = await open(renderer, COARSE);
+    browser = await open(renderer);
     tab = browser.page;
     page = new Page(tab);
     // Objects on the graphics card that were made and not yet given back.
