@@ -224,7 +224,7 @@ const views = new Views(stages, {
     measureRuler.show(views.pixelsPerUnit(), now.pattern);
     texture.show(now.pattern);
     learn.drawn();
-    if (views.isNewest()) compare.drawn();
+    compare.drawn();
   },
   hover: (patch) => pieces.light(patch, true),
   describe: act.tipFor,

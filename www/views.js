@@ -120,11 +120,6 @@ export class Views {
     this.#next = scene;
   }
 
-  /** Whether what is drawn is the newest scene. */
-  isNewest() {
-    return this.#next === null;
-  }
-
   setDark(on) {
     this.#flags.dark = on;
     this.#viewer?.set_theme(on);
