@@ -20,8 +20,6 @@ const LABELS = ["Surface view", "Flattened view"];
 const SEAM_PX = 7;
 /** The ring that shows where a cone would be added. */
 const POINT = 0.03;
-/** A scene that took so long to be taken over is drawn with the next frame: two short tasks in place of a long one. */
-const LONG_MS = 8;
 /** Losing the graphics more often than this in a row means that they cannot be had. */
 const REBUILDS = 4;
 
@@ -39,9 +37,7 @@ export class Views {
   #viewer = null;
   #renderer = "";
   #scene = null;
-  /** The scene that is to be taken over next, and whether the last one is still to be drawn. */
-  #next = null;
-  #isDue = false;
+  #sceneIsNew = false;
   #flags = { dark: false, texture: "none", cell: 0, isPlain: false, layers: "blended", wireframe: false, hover: -1 };
   #image = null;
   #sizes = ["", ""];
@@ -117,7 +113,8 @@ export class Views {
 
   /** Shows a scene with the next frame. */
   setScene(scene) {
-    this.#next = scene;
+    this.#scene = scene;
+    this.#sceneIsNew = true;
   }
 
   setDark(on) {
@@ -274,7 +271,7 @@ export class Views {
   /** Puts the camera of the surface there: at once, or with the first picture. */
   setPose(pose) {
     this.#pose = pose;
-    if (this.#viewer && this.#scene && !this.#next) this.#takePose();
+    if (this.#viewer && this.#scene && !this.#sceneIsNew) this.#takePose();
   }
 
   #takePose() {
@@ -313,7 +310,7 @@ export class Views {
 
   /** A small copy of a view as it is now: the middle of the surface, or all of the charts. Null where nothing is drawn. */
   thumbnail(view, width, height) {
-    if (!this.#viewer || !this.#scene || this.#next) return null;
+    if (!this.#viewer || !this.#scene || this.#sceneIsNew) return null;
     // Drawn and copied in one task, as above.
     this.#drawAnyway();
     return reduced(this.#canvas(view), width, height, view === FLAT);
@@ -402,8 +399,8 @@ export class Views {
 
   #draw() {
     requestAnimationFrame(this.#frame);
-    if (this.#isBlind && this.#next) {
-      this.#next = null;
+    if (this.#isBlind && this.#sceneIsNew) {
+      this.#sceneIsNew = false;
       this.#on.taken();
     }
     if (!this.#viewer) return;
@@ -412,9 +409,8 @@ export class Views {
       return;
     }
     this.#resize();
-    if (this.#next && !this.#isDue) {
-      [this.#scene, this.#next] = [this.#next, null];
-      const start = performance.now();
+    if (this.#sceneIsNew) {
+      this.#sceneIsNew = false;
       try {
         this.#viewer.set_scene(this.#scene);
         this.#takePose();
@@ -423,10 +419,7 @@ export class Views {
         console.error("A scene was refused:", error);
       }
       this.#on.taken();
-      this.#isDue = performance.now() - start > LONG_MS;
-      if (this.#isDue) return;
     }
-    this.#isDue = false;
     this.#pick();
     if (this.#brush || this.#aims()) this.refreshBrush();
     this.look.frame();
