@@ -16,7 +16,7 @@ const TRAVELS = ["undo", "redo", "travel"];
 const HANDWORK = ["paint", "clear_paint", "hide_from_camera", "set_symmetry"];
 const STROKES = 5000;
 /** Events after which a project is another one. */
-const CHANGED = ["history", "energy", "mesh", "size"];
+const CHANGED = ["history", "energy", "mesh", "size", "comparison"];
 /** The same for cones: they are told again after the parameters, whose solution they change. */
 const CONE_EDITS = ["add_cone", "move_cone", "set_cone_angle", "remove_cone"];
 
@@ -51,11 +51,16 @@ export class EngineClient {
   /** Edits of the cones that are in force. */
   #edits = [];
   #size = null;
+  /** Whether runs of a comparison go on: the document is put aside meanwhile, and a project would be that of a run. */
+  #isComparing = false;
+  /** Whether a document is being brought back. */
+  #isReviving = false;
   /** The last time that a slider was taken hold of. */
   #hold = null;
 
   /**
-   * @param on `events(list, spent)`, `scene(scene)`, `restarted(sentence, hasDocument)`, `failed(reason)`, `changed()` when there
+   * @param on `events(list, spent, isReplay)`, a mesh being another one than before unless it is replayed; `scene(scene)`,
+   * `restarted(sentence, hasDocument, back)`, where `back` resolves when the document is back; `failed(reason)`, `changed()` when there
    * is something new to save, `lost(name, file, isClosed)` when a document cannot be brought back as it was: `file` is its last saved project, null for none
    */
   constructor(on) {
@@ -155,8 +160,9 @@ export class EngineClient {
   /** Makes the project between two steps: `{ file, spent }`, `file` null where there is none. It is what a restart begins with. */
   async saveProject() {
     const mesh = this.#meshes[this.#at];
-    if (!mesh) return { file: null, spent: 0 };
+    if (!mesh || this.#isComparing) return { file: null, spent: 0 };
     const answer = await this.#request({ type: "save" });
+    if (this.#isComparing) return { ...answer, file: null };
     // What was made of another mesh meanwhile is no use for this one.
     if (answer.file && mesh === this.#meshes[this.#at]) this.#saved = { file: answer.file, mesh, name: this.document.sample ?? this.document.name };
     return answer;
@@ -172,8 +178,9 @@ export class EngineClient {
     this.#worker?.postMessage({ type: "taken" });
   }
 
-  /** Throws the worker away in the middle of its work and brings the last good document back. */
+  /** Throws the worker away in the middle of its work and brings the last good document back; closes what takes too long to come back. */
   cancel(sentence) {
+    if (this.#isReviving) [this.#meshes, this.#at] = [[], -1];
     this.#revive(sentence);
   }
 
@@ -246,6 +253,7 @@ export class EngineClient {
       if (event.type === "methods") this.#method = event.current;
       if (event.type === "cones" && !event.is_edited && !event.has_placed) this.#edits = [];
       if (event.type === "size") this.#size = event;
+      if (event.type === "comparison") this.#isComparing = event.progress !== null;
       if (event.type === "mesh") {
         this.#made = cause;
         this.#follow(cause);
@@ -255,7 +263,8 @@ export class EngineClient {
         this.#rest(event.state === "preparing", cause);
       }
     }
-    this.#on.events(events, spent);
+    const isReplay = cause === null || cause.isReplay === true;
+    this.#on.events(events, spent, isReplay);
     if (events.some(({ type }) => CHANGED.includes(type))) this.#on.changed();
   }
 
@@ -305,6 +314,7 @@ export class EngineClient {
     if (this.#deaths === 1) this.#rescued = file && { name: this.#saved.name, file };
     if (this.#deaths > ATTEMPTS || !lost) {
       this.#discard();
+      this.#isReviving = false;
       this.#on.failed(reason);
       if (this.#rescued) this.#on.lost(this.#rescued.name, this.#rescued.file, true);
       return;
@@ -332,9 +342,16 @@ export class EngineClient {
     this.#rested = [];
     this.#opening = null;
     this.#preparing = null;
+    this.#isComparing = false;
   }
 
-  async #revive(sentence) {
+  #revive(sentence) {
+    let arrive;
+    const back = new Promise((resolve) => (arrive = resolve));
+    this.#bringBack(sentence, back).then(arrive);
+  }
+
+  async #bringBack(sentence, back) {
     // What was done to the mesh may be what kills it: the second attempt leaves that out, the third the mesh itself.
     const mesh = this.#deaths < ATTEMPTS ? this.#meshes[this.#at] : null;
     const isFirst = this.#deaths < 2;
@@ -346,7 +363,8 @@ export class EngineClient {
     this.#discard();
     this.#spawn();
     const worker = this.#worker;
-    this.#on.restarted(sentence, mesh !== null && mesh !== undefined);
+    this.#isReviving = true;
+    this.#on.restarted(sentence, mesh !== null && mesh !== undefined, back);
     await this.command({ type: "hello" });
     if (!mesh) {
       [this.#meshes, this.#at, this.#saved] = [[], -1, null];
@@ -365,6 +383,7 @@ export class EngineClient {
         if (isFirst) await this.#replay(mesh, values, size, edits);
       }
     }
+    this.#isReviving = false;
     if (this.#worker === worker) this.#trustLater();
   }
 

@@ -2,12 +2,13 @@
 // pins values, measures. The viewer does all of it; this file says when.
 
 import { pinLabels } from "./pins.js";
+import { FLAT, SURFACE } from "./view-names.js";
 
 /** A flight takes this long, and none where less motion is wanted. */
 const FLIGHT_MS = 420;
 /** A double click takes back the pins that its first clicks have set. */
 const DOUBLE_MS = 700;
-const FLAT = 1;
+
 
 const wantsLess = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -29,7 +30,10 @@ export function looking(hosts, viewer, on) {
   let end = null;
   let ends = 0;
   let said = ["", ""];
-  /** Pins in the order in which they were set, `{ pin, at }`. */
+  /**
+   * Pins in the order in which they were set, `{ pin, at, seen }`: `pin` is null where the viewer that knew it is lost, `seen` is the camera
+   * that had its point in sight last, and where.
+   */
   let pins = [];
   const labels = hosts.map((host) => pinLabels(host, remove));
 
@@ -41,6 +45,38 @@ export function looking(hosts, viewer, on) {
   function remove(pin) {
     pins = pins.filter((other) => other.pin !== pin);
     viewer()?.remove_pin(pin);
+  }
+
+  /** Remembers from where each pin can be seen: what another viewer needs to set it at the same point. */
+  function remember(numbers) {
+    if (isolated >= 0 || start > 0) return;
+    const { clientWidth: width, clientHeight: height } = hosts[SURFACE];
+    const camera = { pose: viewer().pose(), isOrthographic, clip, width, height };
+    for (let i = 0; i + 4 < numbers.length; i += 5) {
+      const [pin, x, y, , isHidden] = numbers.slice(i, i + 5);
+      const known = pins.find((other) => other.pin === pin);
+      if (known && isHidden === 0) known.seen = { x, y, camera };
+    }
+  }
+
+  /** Sets pins anew that were lost with a viewer: the same clicks under the same cameras. */
+  function replant() {
+    const [lost, pose] = [pins.filter(({ pin }) => pin === null), viewer().pose()];
+    if (lost.length === 0) return;
+    const look = ({ pose, isOrthographic, clip, width, height }) => {
+      viewer().resize(SURFACE, width, height, devicePixelRatio || 1);
+      viewer().set_orthographic(isOrthographic);
+      viewer().set_clip(clip.axis, clip.kept, clip.isTurned);
+      viewer().set_pose(pose);
+    };
+    for (const known of lost) {
+      if (!known.seen) continue;
+      look(known.seen.camera);
+      known.pin = viewer().add_pin(SURFACE, known.seen.x, known.seen.y);
+    }
+    const { clientWidth: width, clientHeight: height } = hosts[SURFACE];
+    look({ pose, isOrthographic, clip, width, height });
+    pins = pins.filter(({ pin }) => pin !== null && pin >= 0);
   }
 
   function isolate(patch) {
@@ -58,7 +94,7 @@ export function looking(hosts, viewer, on) {
     restore(viewer) {
       viewer.set_orthographic(isOrthographic);
       viewer.set_clip(clip.axis, clip.kept, clip.isTurned);
-      pins = [];
+      pins = pins.map((known) => ({ ...known, pin: null }));
       isolated = -1;
       [end, ends] = [null, 0];
       on.isolated(-1);
@@ -71,8 +107,11 @@ export function looking(hosts, viewer, on) {
     /** To be called after something was drawn. */
     drawn() {
       const words = on.words();
+      if (words) replant();
       labels.forEach((label, view) => {
-        label.show(words && pins.length > 0 ? viewer().pin_labels(view) : [], words);
+        const numbers = words && pins.length > 0 ? viewer().pin_labels(view) : [];
+        if (view === SURFACE && numbers.length > 0) remember(numbers);
+        label.show(numbers, words);
         label.showLength(said[view] ? viewer().measure_label(view) : [], said[view]);
       });
       const alone = viewer().isolated();
@@ -157,7 +196,7 @@ export function looking(hosts, viewer, on) {
       }
       if (!on.words()) return false;
       const pin = viewer().add_pin(at.view, at.x, at.y);
-      if (pin >= 0) pins.push({ pin, at: performance.now() });
+      if (pin >= 0) pins.push({ pin, at: performance.now(), seen: null });
       return pin >= 0;
     },
     /** A double click: flies to the piece there. False where there is none. */

@@ -1,33 +1,23 @@
-// The two canvases and the viewer behind them. The camera lives in the viewer: this file forwards what the pointer,
-// the wheel and the keys do, hands over sizes and scenes, and makes new canvases when the graphics are lost.
+// The two canvases and the viewer behind them: hands over sizes and scenes, and makes new canvases when the graphics are lost. What the
+// pointer, the wheel and the keys do is in view-input.js.
 
 import init, { Viewer } from "./pkg/viewer.js";
 import { coneHand } from "./cone-hand.js";
 import { coneLabels } from "./cone-labels.js";
-import { h, s } from "./dom.js";
+import { h } from "./dom.js";
 import { looking } from "./looking.js";
 import { DESCRIPTIONS } from "./panels/describe.js";
+import { pieceNumbers } from "./piece-numbers.js";
+import { copySquare, enlarged, reduced } from "./pictures.js";
+import { listenToView } from "./view-input.js";
+import { FLAT, SURFACE } from "./view-names.js";
+import { viewTip } from "./view-tip.js";
 
-export const SURFACE = 0;
-export const FLAT = 1;
+export { FLAT, SURFACE };
 
 const LABELS = ["Surface view", "Flattened view"];
-/** A turn of the wheel by one notch (100 units) zooms by this factor; trackpads send fractions of it. */
-const WHEEL_ZOOM = 1.25;
-/** Pixels that one press of an arrow key stands for. */
-const KEY_DRAG = 24;
-/** The longer side of an exported picture has this many pixels at least. */
-const PICTURE_PX = 1600;
-/** A picture is searched for what is drawn in it at this size. */
-const PROBE_PX = 320;
-/** The longest side that every graphics backend can draw. */
-const MOST_PX = 8192;
-/** A press that moves no further is a click. */
-const CLICK_PX = 4;
 /** A cut is pointed at from this far beside it, in pixels. */
 const SEAM_PX = 7;
-/** A finger that moves this far paints; one that lifts before has touched, and a second one may still join it. */
-const TOUCH_PX = 4;
 /** The ring that shows where a cone would be added. */
 const POINT = 0.03;
 /** Losing the graphics more often than this in a row means that they cannot be had. */
@@ -39,29 +29,6 @@ async function chooseRenderer(asked) {
   if (asked === "webgpu") return "webgpu";
   const isChromium = navigator.userAgentData?.brands.some(({ brand }) => brand === "Chromium") ?? false;
   return isChromium ? Viewer.probe() : "webgl2";
-}
-
-/** The part of a picture in which anything differs from its corner, with a margin: `[x, y, width, height]`; all of it if nothing does. */
-function drawnPart(canvas) {
-  const small = Math.min(1, PROBE_PX / Math.max(canvas.width, canvas.height));
-  const [width, height] = [canvas.width, canvas.height].map((side) => Math.max(1, Math.round(side * small)));
-  const context = h("canvas", { width, height }).getContext("2d", { willReadFrequently: true });
-  context.drawImage(canvas, 0, 0, width, height);
-  const { data } = context.getImageData(0, 0, width, height);
-  const differs = (at) => [0, 1, 2].some((i) => Math.abs(data[at + i] - data[i]) > 8);
-  let [left, top, right, bottom] = [width, height, -1, -1];
-  for (let y = 0; y < height; y += 1) {
-    for (let x = 0; x < width; x += 1) {
-      if (!differs(4 * (y * width + x))) continue;
-      [left, right] = [Math.min(left, x), Math.max(right, x)];
-      [top, bottom] = [Math.min(top, y), Math.max(bottom, y)];
-    }
-  }
-  if (right < 0) return [0, 0, canvas.width, canvas.height];
-  const margin = 0.04 * Math.max(right - left, bottom - top) + 1;
-  const [x, y] = [Math.max(0, left - margin), Math.max(0, top - margin)];
-  const [endX, endY] = [Math.min(width, right + 1 + margin), Math.min(height, bottom + 1 + margin)];
-  return [x, y, endX - x, endY - y].map((length) => length / small);
 }
 
 export class Views {
@@ -79,9 +46,8 @@ export class Views {
   #pose = null;
   #isBlind = false;
   #pointerAt = null;
-  #numbers = [];
-  #numbersLayer = s("svg", { class: "numbers", "aria-hidden": "true" });
-  #tip = h("p", { class: "tip", "aria-hidden": "true", hidden: true });
+  #numbers;
+  #tip = viewTip();
   #panTool = false;
   /** What the pointer paints with, and where it is over the surface; null for neither. */
   #brush = null;
@@ -103,11 +69,29 @@ export class Views {
   constructor(hosts, on) {
     this.#hosts = hosts;
     this.#on = on;
-    hosts[FLAT].append(this.#numbersLayer);
+    this.#numbers = pieceNumbers(hosts[FLAT]);
     this.#labels = hosts.map(coneLabels);
     this.#hand = coneHand(() => (this.#scene ? this.#viewer : null), { select: on.selectCone, move: on.moveCone, add: on.addCone });
     this.look = looking(hosts, () => (this.#scene ? this.#viewer : null), on.looking);
-    hosts.forEach((host, view) => this.#listen(host, view));
+    hosts.forEach((host, view) =>
+      listenToView(host, view, {
+        viewer: () => this.#viewer,
+        brush: () => this.#brush,
+        hand: this.#hand,
+        look: this.look,
+        pans: () => this.#panTool,
+        aims: () => this.#aims(),
+        isConeChosen: () => this.#marks.selected >= 0,
+        canvas: () => this.#canvas(view),
+        point: (at) => (this.#pointerAt = at),
+        aim: (at) => (this.#brushAt = at),
+        leave: () => this.#leave(),
+        hideTip: this.#tip.hide,
+        fit: () => this.fit(view),
+        middle: () => this.middle(),
+        addCone: on.addCone,
+      }),
+    );
   }
 
   async start(asked) {
@@ -305,21 +289,13 @@ export class Views {
    */
   picture(view, scale = 1) {
     if (!this.#viewer || !this.#scene) return Promise.resolve(null);
-    const canvas = this.#canvas(view);
-    const { clientWidth: width, clientHeight: height } = canvas;
-    const longer = Math.max(width, height, 1);
-    const ratio = Math.min(scale * Math.max(devicePixelRatio || 1, PICTURE_PX / longer), MOST_PX / longer);
     this.#leave();
     this.#viewer.set_brush(0, 0, 0);
-    this.#viewer.resize(view, width, height, ratio);
-    // Setting the theme makes the viewer draw although nothing else may be new.
-    this.#viewer.set_theme(this.#flags.dark);
-    this.#viewer.draw();
-    const copy = h("canvas", { width: canvas.width, height: canvas.height });
-    const context = copy.getContext("2d");
-    context.drawImage(canvas, 0, 0);
-    context.scale(canvas.width / width, canvas.height / height);
-    if (view === FLAT) this.#writeNumbers(context);
+    const { copy, context } = enlarged(this.#canvas(view), scale, (width, height, ratio) => {
+      this.#viewer.resize(view, width, height, ratio);
+      this.#drawAnyway();
+    });
+    if (view === FLAT) this.#numbers.write(context, this.#viewer.anchors());
     this.#labels[view].write(context);
     this.#sizes[view] = "";
     this.#resize();
@@ -327,30 +303,23 @@ export class Views {
     return new Promise((resolve) => copy.toBlob(resolve, "image/png"));
   }
 
-  /** Copies the middle of the surface, a square, into a canvas; to be called while `drawn()` is. */
+  /** Copies the middle of the surface into a canvas; to be called while `drawn()` is. */
   copySurface(copy) {
-    const canvas = this.#canvas(SURFACE);
-    const side = Math.min(canvas.width, canvas.height);
-    const [x, y] = [(canvas.width - side) / 2, (canvas.height - side) / 2];
-    copy.getContext("2d").drawImage(canvas, x, y, side, side, 0, 0, copy.width, copy.height);
+    copySquare(this.#canvas(SURFACE), copy);
   }
 
   /** A small copy of a view as it is now: the middle of the surface, or all of the charts. Null where nothing is drawn. */
   thumbnail(view, width, height) {
     if (!this.#viewer || !this.#scene || this.#sceneIsNew) return null;
-    const canvas = this.#canvas(view);
     // Drawn and copied in one task, as above.
+    this.#drawAnyway();
+    return reduced(this.#canvas(view), width, height, view === FLAT);
+  }
+
+  /** Setting the theme makes the viewer draw although nothing else may be new. */
+  #drawAnyway() {
     this.#viewer.set_theme(this.#flags.dark);
     this.#viewer.draw();
-    const isSurface = view === SURFACE;
-    const [x, y, w, d] = isSurface ? [0, 0, canvas.width, canvas.height] : drawnPart(canvas);
-    const scale = (isSurface ? Math.max : Math.min)(width / w, height / d);
-    const size = [w * scale, d * scale];
-    const copy = h("canvas", { width, height });
-    const context = copy.getContext("2d");
-    context.imageSmoothingQuality = "high";
-    context.drawImage(canvas, x, y, w, d, (width - size[0]) / 2, (height - size[1]) / 2, ...size);
-    return copy;
   }
 
   #canvas(view) {
@@ -457,7 +426,7 @@ export class Views {
     if (!this.#viewer.draw()) return;
     this.#rebuilds = 0;
     if (this.#scene) this.look.drawn();
-    this.#placeNumbers();
+    this.#numbers.show(this.#scene ? this.#viewer.anchors() : []);
     this.#placeLabels();
     this.#on.drawn();
   }
@@ -469,35 +438,6 @@ export class Views {
       const numbers = angles.length > 0 ? this.#viewer.cone_labels(view) : [];
       labels.show(numbers, angles, marked);
     });
-  }
-
-  // The numbers of the pieces are text over the canvas, at a constant size.
-  #placeNumbers() {
-    const anchors = this.#scene ? this.#viewer.anchors() : [];
-    const wanted = anchors.length / 3;
-    while (this.#numbers.length < wanted) {
-      const text = s("text", {}, String(this.#numbers.length + 1));
-      this.#numbers.push(text);
-      this.#numbersLayer.append(text);
-    }
-    while (this.#numbers.length > wanted) this.#numbers.pop().remove();
-    this.#numbers.forEach((text, i) => {
-      const x = anchors[3 * i];
-      const isShown = Number.isFinite(x);
-      text.toggleAttribute("hidden", !isShown);
-      if (isShown) text.setAttribute("transform", `translate(${x.toFixed(1)} ${anchors[3 * i + 1].toFixed(1)})`);
-    });
-  }
-
-  #writeNumbers(context) {
-    const anchors = this.#viewer.anchors();
-    context.font = "600 11px system-ui, sans-serif";
-    context.textAlign = "center";
-    context.textBaseline = "middle";
-    context.fillStyle = "#1b1d22";
-    for (let i = 0; 3 * i < anchors.length; i += 1) {
-      if (Number.isFinite(anchors[3 * i])) context.fillText(String(i + 1), anchors[3 * i], anchors[3 * i + 1]);
-    }
   }
 
   // At most one pick a frame, and none while a drag goes on.
@@ -516,171 +456,15 @@ export class Views {
     const patch = pointed.patch ?? -1;
     this.look.pointedAt(pointed.seam?.a ?? -1);
     this.setHover(patch);
-    if (cone >= 0) this.#showTip(at, this.#on.describeCone(cone));
-    else this.#showTip(at, patch < 0 && !pointed.seam ? [] : this.#on.describe(patch, pointed));
-  }
-
-  #showTip(at, text = []) {
-    this.#tip.hidden = text.length === 0;
-    if (text.length === 0) return;
-    const host = this.#hosts[at.view];
-    if (this.#tip.parentElement !== host) host.append(this.#tip);
-    this.#tip.replaceChildren(...text);
-    // Beside the pointer, on the side where there is room.
-    const isLeft = at.x > host.clientWidth / 2;
-    const isAbove = at.y > host.clientHeight / 2;
-    this.#tip.style.translate = `${isLeft ? "calc(-100% - 14px)" : "14px"} ${isAbove ? "calc(-100% - 10px)" : "14px"}`;
-    this.#tip.style.left = `${at.x}px`;
-    this.#tip.style.top = `${at.y}px`;
+    const said = cone >= 0 ? this.#on.describeCone(cone) : patch < 0 && !pointed.seam ? [] : this.#on.describe(patch, pointed);
+    this.#tip.show(this.#hosts[at.view], at, said);
   }
 
   #leave() {
     this.#pointerAt = null;
-    this.#showTip(null);
+    this.#tip.hide();
     this.#viewer?.point_away();
     this.setHover(-1);
     this.markCones({ hover: -1 });
-  }
-
-  #listen(host, view) {
-    const pointers = new Map();
-    const place = (event) => {
-      const box = host.getBoundingClientRect();
-      return { view, x: event.clientX - box.left, y: event.clientY - box.top };
-    };
-    const isSide = (event) => event.pointerType === "mouse" && (event.buttons & 6) !== 0;
-    const turns = (event) => {
-      if (view !== SURFACE) return false;
-      // With a brush in hand the other button and Shift stand for the drag that turns.
-      if (this.#brush) return !isSide(event) || (event.buttons & 2) !== 0;
-      return !this.#panTool && !event.shiftKey && !isSide(event);
-    };
-    const paints = (event) => view === SURFACE && this.#brush && this.#viewer && !event.shiftKey && !isSide(event);
-    /** The pointer that paints, and where a finger has touched that may be about to. */
-    let painter = null;
-    let touched = null;
-    /** The press that may become a click. */
-    let pressed = null;
-    const paint = (at, event, begins) => {
-      const picks = this.#viewer?.stroke(at.x, at.y, this.#brush.radius(), begins) ?? [];
-      if (picks.length > 0) this.#brush.stroke(picks, begins, event.altKey);
-      return picks.length > 0;
-    };
-
-    host.addEventListener("pointerdown", (event) => {
-      if (pointers.size === 2) return;
-      const isFree = pointers.size === 0 && event.button === 0 && !event.shiftKey && !this.#brush && !this.#hand.adds();
-      // A click beside a chosen cone lets go of it and does no more.
-      pressed = isFree && this.#marks.selected < 0 ? place(event) : null;
-      host.setPointerCapture(event.pointerId);
-      pointers.set(event.pointerId, place(event));
-      this.#canvas(view)?.focus({ preventScroll: true });
-      if (view === SURFACE && (this.#brush || this.#aims())) this.#brushAt = place(event);
-      if (pointers.size > 1) this.#hand.cancel();
-      else if (!(this.#brush && view === SURFACE) && this.#hand.down(view, place(event), event)) {
-        this.#showTip(null);
-        pressed = null;
-        host.classList.add("dragging");
-        return;
-      }
-      if (pointers.size === 1 && paints(event)) {
-        if (event.pointerType === "touch") touched = place(event);
-        else if (paint(place(event), event, true)) {
-          painter = event.pointerId;
-          this.#showTip(null);
-          return;
-        }
-      } else [painter, touched] = [null, null];
-      host.classList.add("dragging");
-      if (event.pointerType !== "mouse") this.#pointerAt = place(event);
-      else this.#showTip(null);
-    });
-    host.addEventListener("pointermove", (event) => {
-      const at = place(event);
-      const before = pointers.get(event.pointerId);
-      if (view === SURFACE && (this.#brush || this.#aims())) this.#brushAt = at;
-      if (pressed && Math.hypot(at.x - pressed.x, at.y - pressed.y) > (event.pointerType === "touch" ? 2 : 1) * CLICK_PX) pressed = null;
-      if (!before) {
-        this.#pointerAt = at;
-        return;
-      }
-      if (touched && this.#brush) {
-        if (Math.hypot(at.x - touched.x, at.y - touched.y) < TOUCH_PX) return;
-        if (paint(touched, event, true)) painter = event.pointerId;
-        touched = null;
-      }
-      pointers.set(event.pointerId, at);
-      if (!this.#viewer || this.#hand.move(at, event)) return;
-      if (painter === event.pointerId && this.#brush) {
-        for (const part of event.getCoalescedEvents?.() ?? []) paint(place(part), event, false);
-        paint(at, event, false);
-        return;
-      }
-      if (pointers.size === 1) {
-        if (turns(event)) this.#viewer.rotate(at.x - before.x, at.y - before.y);
-        else this.#viewer.pan(view, at.x - before.x, at.y - before.y);
-      } else {
-        // Two fingers: half of each one's movement, and the change of their distance.
-        const [other] = [...pointers].filter(([id]) => id !== event.pointerId).map(([, point]) => point);
-        this.#viewer.pan(view, (at.x - before.x) / 2, (at.y - before.y) / 2);
-        const distance = (point) => Math.hypot(point.x - other.x, point.y - other.y);
-        if (distance(before) > 0) {
-          this.#viewer.zoom(view, distance(at) / distance(before), (at.x + other.x) / 2, (at.y + other.y) / 2);
-        }
-      }
-    });
-    const release = (event) => {
-      if (touched && this.#brush && event.type === "pointerup") paint(touched, event, true);
-      [painter, touched] = [null, null];
-      if (event.type === "pointerup") this.#hand.up(event);
-      else this.#hand.cancel();
-      if (event.type === "pointerup" && pressed && pointers.size === 1) this.look.click(pressed);
-      pressed = null;
-      if (event.pointerType === "touch") this.#brushAt = null;
-      pointers.delete(event.pointerId);
-      if (pointers.size === 0) host.classList.remove("dragging");
-    };
-    host.addEventListener("pointerup", release);
-    host.addEventListener("pointercancel", release);
-    host.addEventListener("pointerleave", (event) => {
-      if (pointers.size === 0) this.#brushAt = null;
-      if (event.pointerType === "mouse" && pointers.size === 0) this.#leave();
-    });
-    host.addEventListener("contextmenu", (event) => event.preventDefault());
-    host.addEventListener("dblclick", (event) => {
-      if (this.#brush || this.#aims() || this.look.doubleClick(place(event))) return;
-      this.fit(view);
-    });
-    host.addEventListener(
-      "wheel",
-      (event) => {
-        event.preventDefault();
-        // Lines and pages count as what they usually scroll; a pinch on a trackpad comes as a small wheel with Ctrl.
-        const unit = [1, 16, 400][event.deltaMode] * (event.ctrlKey ? 5 : 1);
-        const { x, y } = place(event);
-        this.#viewer?.zoom(view, WHEEL_ZOOM ** ((-event.deltaY * unit) / 100), x, y);
-        this.#showTip(null);
-      },
-      { passive: false },
-    );
-    host.addEventListener("keydown", (event) => {
-      if (!this.#viewer || event.ctrlKey || event.metaKey || event.altKey) return;
-      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
-      const zoom = { "+": WHEEL_ZOOM, "=": WHEEL_ZOOM, "-": 1 / WHEEL_ZOOM }[event.key];
-      if (step && view === SURFACE && !event.shiftKey) this.#viewer.rotate(step[0] * KEY_DRAG, step[1] * KEY_DRAG);
-      else if (step) this.#viewer.pan(view, step[0] * KEY_DRAG, step[1] * KEY_DRAG);
-      else if (zoom) this.#viewer.zoom(view, zoom, host.clientWidth / 2, host.clientHeight / 2);
-      else if (event.key === "Enter" && view === SURFACE && this.#brush) {
-        paint({ x: host.clientWidth / 2, y: host.clientHeight / 2 }, event, true);
-      } else if (event.key === "Enter" && view === SURFACE && this.#hand.adds()) {
-        const pick = this.middle();
-        if (pick) this.#on.addCone(pick);
-      }
-      else if (event.key === "Enter" && this.look.measures()) this.look.click({ view, x: host.clientWidth / 2, y: host.clientHeight / 2 });
-      else if (event.key === "f" || event.key === "F" || event.key === "Home") this.fit(view);
-      else return;
-      event.preventDefault();
-      event.stopPropagation();
-    });
   }
 }

@@ -4,41 +4,48 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open } from "./chromium.mjs";
+import { RENDERERS } from "./chromium.mjs";
 import { ellipsoid } from "./meshes.mjs";
-import { Page } from "./page.mjs";
+import { begin } from "./page.mjs";
 
 const [renderer] = RENDERERS;
 /** The audit is put into the page as text: what the page itself may load is none of its business. */
 const AXE = await readFile(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
 const GRAVE = ["serious", "critical"];
-const WIDTHS = [[1280, 800], [390, 844]];
+const DESKTOP = { width: 1280, height: 800, themes: ["light", "dark"] };
+/** What the phone shows has the colours of the desktop: those of the dark theme are looked at where it shows something of its own. */
+const PHONE = { width: 390, height: 844, themes: ["light"] };
+const PHONE_DARK = { ...PHONE, themes: ["light", "dark"] };
 const METHODS = ["Cones", "Phase field", "Developable patches", "Cut flow"];
 const WORKSHOP = "Allowance, notches, sheet …";
 
-/** What is wrong in the page as it stands, one line a finding; nothing where all is well. */
-async function audit(page, rules) {
+/** What is wrong in the page as it stands or within a part of it, one line a finding; nothing where all is well. */
+async function audit(page, rules, within) {
   const runOnly = rules ? { type: "rule", values: rules } : null;
-  const found = await page.evaluate(async (runOnly) => {
+  const found = await page.evaluate(async ([runOnly, within]) => {
     // Only the page of today is looked at, so nothing has to be scrolled or loaded for it.
     const options = { resultTypes: ["violations"], iframes: false, preload: false, ...(runOnly ? { runOnly } : {}) };
-    return (await window.axe.run(document, options)).violations;
-  }, runOnly);
+    return (await window.axe.run(within ?? document, options)).violations;
+  }, [runOnly, within]);
   return found
     .filter(({ impact }) => GRAVE.includes(impact))
     .flatMap(({ id, impact, nodes }) => nodes.map(({ target, failureSummary }) => `${impact} ${id} at ${target.join(" ")}: ${failureSummary}`));
 }
 
-/** Audits the page in both themes and at both widths: of the dark one the colours, as nothing else differs. */
-async function everywhere(page, state, widths = WIDTHS) {
+/**
+ * Audits the page in windows and themes: of the dark one the colours, as nothing else differs. Where a state adds a part to a page that was
+ * audited before, it is looked for `within` that part only.
+ */
+async function everywhere(page, state, { within = null, windows = [DESKTOP, PHONE] } = {}) {
+  if (within) assert.ok(await page.locator(within).first().isVisible(), `${within} is not shown`);
   const all = [];
-  for (const [width, height] of widths) {
+  for (const { width, height, themes } of windows) {
     await page.setViewportSize({ width, height });
-    for (const colorScheme of ["light", "dark"]) {
+    for (const colorScheme of themes) {
       await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
       // Colours are settled by the next frame, as nothing moves.
       await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
-      const found = await audit(page, colorScheme === "dark" ? ["color-contrast"] : null);
+      const found = await audit(page, colorScheme === "dark" ? ["color-contrast"] : null, within);
       all.push(...found.map((line) => `${state}, ${width} px, ${colorScheme}: ${line}`));
     }
   }
@@ -50,15 +57,8 @@ async function everywhere(page, state, widths = WIDTHS) {
 describe("the audit", { timeout: 600_000 }, () => {
   let browser, page, tab;
   before(async () => {
-    browser = await open(renderer);
-    tab = browser.page;
-    page = new Page(tab);
-    await tab.addInitScript(AXE);
-    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
     // The page is audited, not the solvers: 642 vertices keep nobody waiting.
-    await page.dropFile("ellipsoid.obj", ellipsoid(3));
-    await page.until("it is open", () => tab.title(), (title) => title.includes("ellipsoid"));
-    await page.status(/^Ready/);
+    ({ browser, page, tab } = await begin(renderer, { mesh: ellipsoid(3), script: AXE }));
   });
   after(() => browser?.close());
 
@@ -71,7 +71,7 @@ describe("the audit", { timeout: 600_000 }, () => {
     await tab.evaluate(() => document.querySelector("#orbit").setAttribute("aria-label", "Orbit"));
   });
 
-  it("finds nothing in the page at rest", () => everywhere(tab, "at rest"));
+  it("finds nothing in the page at rest", () => everywhere(tab, "at rest", { windows: [DESKTOP, PHONE_DARK] }));
 
   it("finds nothing after a few steps", async () => {
     for (const step of [1, 2]) {
@@ -83,17 +83,17 @@ describe("the audit", { timeout: 600_000 }, () => {
 
   it("finds nothing in the Export menu and the link", async () => {
     await page.press("Export");
-    await everywhere(tab, "Export");
+    await everywhere(tab, "Export", { within: "#export-menu" });
     await tab.keyboard.press("Escape");
     await page.press("Share");
-    await everywhere(tab, "Share");
+    await everywhere(tab, "Share", { within: "#share-pop" });
     await tab.keyboard.press("Escape");
   });
 
   it("finds nothing with a brush in hand and a field shown", async () => {
     await tab.getByLabel("Surface overlay", { exact: true }).selectOption({ index: 1 });
     await page.press("Brush");
-    await everywhere(tab, "brush");
+    await everywhere(tab, "brush", { within: ".view" });
     await page.press("Brush");
     await tab.getByLabel("Surface overlay", { exact: true }).selectOption("pieces");
   });
@@ -101,7 +101,7 @@ describe("the audit", { timeout: 600_000 }, () => {
   it("finds nothing in the open Mesh section and all groups of parameters", async () => {
     await page.openMeshSection();
     await tab.evaluate(() => document.querySelectorAll("#parameters details").forEach((details) => (details.open = true)));
-    await everywhere(tab, "Mesh section");
+    await everywhere(tab, "Mesh section", { within: "#parameters" });
   });
 
   it("finds nothing in the pattern workshop", async () => {
@@ -110,7 +110,7 @@ describe("the audit", { timeout: 600_000 }, () => {
     const dialog = tab.getByRole("dialog", { name: "Pattern", exact: true });
     await page.until("the sheet is told", () => dialog.locator(".facts").textContent(), (text) => /^\d+ pieces? on/.test(text));
     await tab.evaluate(() => document.querySelectorAll("#pattern details").forEach((details) => (details.open = true)));
-    await everywhere(tab, "workshop");
+    await everywhere(tab, "workshop", { within: "#pattern" });
     await tab.keyboard.press("Escape");
     await dialog.waitFor({ state: "hidden" });
   });
@@ -118,7 +118,7 @@ describe("the audit", { timeout: 600_000 }, () => {
   it("finds nothing while an error is shown", async () => {
     await page.chooseFile("page.obj", "<!doctype html>\n");
     await page.error();
-    await everywhere(tab, "error");
+    await everywhere(tab, "error", { within: ".notices" });
     await tab.keyboard.press("Escape");
   });
 
@@ -127,10 +127,10 @@ describe("the audit", { timeout: 600_000 }, () => {
       await tab.getByRole("tab", { name: method, exact: true }).click();
       await page.until("the method is shown", () => tab.getByRole("tab", { name: method, exact: true }).getAttribute("aria-selected"), (on) => on === "true");
       await page.status(/^(Ready|Paused|Converged)/);
-      await everywhere(tab, method);
+      await everywhere(tab, method, { windows: [DESKTOP, PHONE_DARK] });
       await page.press("Learn");
       // All lessons are set alike: one of them is enough for the phone.
-      await everywhere(tab, `Learn of ${method}`, method === "Cut flow" ? WIDTHS : WIDTHS.slice(0, 1));
+      await everywhere(tab, `Learn of ${method}`, { within: "#learn-panel", windows: method === "Cut flow" ? [DESKTOP, PHONE_DARK] : [DESKTOP] });
       await tab.keyboard.press("Escape");
     });
   }
@@ -192,12 +192,7 @@ function missed() {
 describe("the keyboard alone", { timeout: 600_000 }, () => {
   let browser, page, tab;
   before(async () => {
-    browser = await open(renderer);
-    tab = browser.page;
-    page = new Page(tab);
-    await page.visit(`${PAGE}?renderer=${renderer.query}&sample=ball&run=0`);
-    await page.status(/^Ready/);
-    await tab.waitForSelector("html[data-renderer]", { state: "attached" });
+    ({ browser, page, tab } = await begin(renderer, { query: "sample=ball&run=0" }));
     await page.until("the surface is described", () => tab.locator("#surface-words").textContent(), (text) => text !== "");
   });
   after(() => browser?.close());

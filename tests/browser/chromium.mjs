@@ -26,14 +26,17 @@ export const PAGE = needed("CUTFLOW_URL");
 export const PACKED_PAGE = needed("CUTFLOW_PACKED_URL");
 const SCREENSHOTS = needed("CUTFLOW_SCREENSHOTS");
 
+/** Half the pixels each way, for tests that compare no pictures: software graphics draw those four times as fast. */
+export const COARSE = 0.5;
+
 /** A browser with one empty page, `{ page, troubles, close }`; `troubles` fills with what the page complains of. */
-export async function open(renderer) {
+export async function open(renderer, deviceScaleFactor = 1) {
   const browser = await chromium.launch({
     executablePath: needed("CHROMIUM"),
     args: [...needed("CHROMIUM_FLAGS").split(" "), ...renderer.flags],
     headless: true,
   });
-  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, reducedMotion: "reduce", colorScheme: "light" });
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, deviceScaleFactor, reducedMotion: "reduce", colorScheme: "light" });
   page.setDefaultTimeout(PATIENCE_MS);
   const troubles = [];
   page.on("console", (message) => message.type() === "error" && troubles.push(message.text()));

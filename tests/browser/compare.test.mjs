@@ -5,9 +5,9 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { RENDERERS, screenshot } from "./chromium.mjs";
 import { ellipsoid } from "./meshes.mjs";
-import { Page } from "./page.mjs";
+import { begin } from "./page.mjs";
 
 /** 162 vertices: every method ends within seconds. */
 const MESH = ellipsoid(2);
@@ -17,11 +17,7 @@ const METHODS = ["Cut flow", "Cones", "Phase field", "Developable patches"];
 describe("comparing", { timeout: 600_000 }, () => {
   let browser, page, panel;
   before(async () => {
-    browser = await open(renderer);
-    page = new Page(browser.page);
-    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
-    await page.dropFile("ellipsoid.obj", MESH);
-    await page.status(/^Ready/);
+    ({ browser, page } = await begin(renderer, { name: "ellipsoid.obj", mesh: MESH }));
     panel = browser.page.getByRole("dialog", { name: "Compare", exact: true });
   });
   after(() => browser?.close());
@@ -132,6 +128,32 @@ describe("comparing", { timeout: 600_000 }, () => {
     await inside("Stop comparing").waitFor({ state: "hidden" });
     assert.equal(await inside("Compare methods").isEnabled(), true);
     assert.ok((await results().count()) < 2, "not all that was asked for");
+  });
+
+  it("keeps what was found when the solver dies, and makes it again", async () => {
+    const before = await results().count();
+    await press("Compare methods");
+    await count(before + 2);
+    await page.status(/^Paused at step 1$/);
+    const numbers = (await rows()).slice(1, 4).map((line) => line.map((text) => /^[^a-z]*/i.exec(text)[0]));
+    const [worker] = browser.page.workers();
+    // What the worker says of itself after a panic.
+    await worker.evaluate(() => self.postMessage({ type: "died", reason: "a test" }));
+    await panel.getByText(/results from before stay to be read/).waitFor();
+    await page.status(/^Paused at step 1$/);
+    assert.equal(await results().count(), before + 2);
+    assert.deepEqual(await hasPictures("Cones"), [true, true]);
+    assert.deepEqual((await rows()).slice(1, 4).map((line) => line.map((text) => /^[^a-z]*/i.exec(text)[0])), numbers);
+    assert.equal(await inside("Show Cones").isDisabled(), true);
+    assert.equal(await inside("Save table (CSV)").isDisabled(), true);
+    await press("Run them again");
+    await page.until("all are back", () => inside("Save table (CSV)").isEnabled(), Boolean);
+    await panel.getByText(/results from before/).waitFor({ state: "hidden" });
+    await page.status(/^Paused at step 1$/);
+    assert.equal(await results().count(), before + 2);
+    assert.equal(await inside("Show Cones").isEnabled(), true);
+    for (const name of ["Cut flow", "Cones"]) await press(`Remove ${name}`);
+    await count(before);
   });
 
   it("fits a phone, cards scrolling sideways", async () => {

@@ -4,9 +4,9 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { RENDERERS, screenshot } from "./chromium.mjs";
 import { ellipsoid } from "./meshes.mjs";
-import { Page } from "./page.mjs";
+import { begin } from "./page.mjs";
 import { decodePng, difference } from "./pixels.mjs";
 
 const MESH = ellipsoid(3);
@@ -17,15 +17,9 @@ for (const renderer of RENDERERS) {
   describe(`looking with ${renderer.name}`, { timeout: 600_000 }, () => {
     let browser, page;
     before(async () => {
-      browser = await open(renderer);
-      page = new Page(browser.page);
-      await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
-      await page.dropFile("ellipsoid.obj", MESH);
-      await page.status(/^Ready/);
+      ({ browser, page } = await begin(renderer, { name: "ellipsoid.obj", mesh: MESH, pixels: 1 }));
       await page.press("Step");
       await page.status(/^Paused at step 1\b/);
-      await browser.page.waitForSelector("html[data-renderer]", { state: "attached" });
-      assert.equal(await browser.page.locator("html").getAttribute("data-renderer"), renderer.name);
       await browser.page.getByLabel("Texture", { exact: true }).selectOption("none");
     });
     after(() => browser?.close());
@@ -38,8 +32,7 @@ for (const renderer of RENDERERS) {
       await nextFrames();
       return (await tip().isVisible()) ? tip().textContent() : "";
     }
-    /** Two frames, after which what was asked for has been drawn. */
-    const nextFrames = () => browser.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
+    const nextFrames = () => page.drawn();
     async function picture(label) {
       await nextFrames();
       return decodePng(await page.canvas(label).screenshot());
@@ -231,8 +224,10 @@ for (const renderer of RENDERERS) {
       await away();
       const fitted = await picture(SURFACE);
       await browser.page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
-      await browser.page.mouse.wheel(0, 300);
       // A wheel is not waited for: the double click could come first.
+      await browser.page.evaluate(() => void (window.wheeled = new Promise((done) => addEventListener("wheel", () => done(true), { once: true }))));
+      await browser.page.mouse.wheel(0, 300);
+      await browser.page.evaluate(() => window.wheeled);
       await nextFrames();
       await browser.page.mouse.dblclick(box.x + 8, box.y + 0.6 * box.height);
       await away();

@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { COARSE, PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
 import { asGlb, asObj, asOff, asPly, asStl, ellipsoid, parseObj, withFlippedFaces, withTouchingHoles } from "./meshes.mjs";
 import { Page } from "./page.mjs";
 import { decodePng, difference } from "./pixels.mjs";
@@ -22,9 +22,9 @@ const [renderer] = RENDERERS;
 describe("meshes as they come", { timeout: 600_000 }, () => {
   let browser, page;
   before(async () => {
-    browser = await open(renderer);
+    browser = await open(renderer, COARSE);
     page = new Page(browser.page);
-    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
+    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0&sample=none`);
   });
   after(() => browser?.close());
 
@@ -88,6 +88,41 @@ describe("meshes as they come", { timeout: 600_000 }, () => {
     assert.match(await page.meshSection("Size").textContent(), /Width \(x\)\s*cm/);
     await page.press("Undo");
     await page.until("the size before", () => page.sizes(), (sizes) => areLengths(sizes, [200, 160, 120]));
+  });
+
+  it("says what is waited for when the solver takes long, and waits no longer than one wants", async () => {
+    const wait = browser.page.locator("#wait");
+    const size = page.meshSection("Size");
+    const unit = size.getByLabel("Unit", { exact: true });
+    const width = size.getByLabel("Width (x)", { exact: true });
+    /** Runs in the worker: keeps it busy. */
+    const block = (milliseconds) => {
+      const end = performance.now() + milliseconds;
+      while (performance.now() < end);
+    };
+    const toUnit = () => unit.selectOption("cm");
+    const toWidth = (value) => async () => {
+      await width.fill(value);
+      await width.press("Enter");
+    };
+    // Sizes that follow each other are one change for Undo.
+    for (const [words, change, back] of [["Setting the unit", toUnit, () => page.press("Undo")], ["Setting the size", toWidth("150"), toWidth("200")]]) {
+      const busy = browser.page.workers()[0].evaluate(block, 2000);
+      await change();
+      await page.until(words, () => wait.locator("span").textContent(), (text) => text === words);
+      await wait.waitFor({ state: "visible" });
+      await busy;
+      await wait.waitFor({ state: "hidden" });
+      await back();
+      await page.until("the size before", () => page.sizes(), (sizes) => areLengths(sizes, [200, 160, 120]));
+    }
+    browser.page.workers()[0].evaluate(block, 30_000).catch(() => {});
+    await toUnit();
+    await wait.getByRole("button", { name: "Cancel", exact: true }).click();
+    await browser.page.getByText("Setting the unit was cancelled.").waitFor();
+    await page.status(/^Ready$/);
+    await wait.waitFor({ state: "hidden" });
+    assert.ok(areLengths(await page.sizes(), [200, 160, 120]), "the size has changed");
   });
 
   const DAMAGED = {

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { createServer } from "node:http";
 import { after, before, describe, it } from "node:test";
 
-import { PACKED_PAGE, PAGE, PATIENCE_MS, RENDERERS, open } from "./chromium.mjs";
+import { COARSE, PACKED_PAGE, PAGE, PATIENCE_MS, RENDERERS, open } from "./chromium.mjs";
 import { Page } from "./page.mjs";
 
 const [WEBGL] = RENDERERS;
@@ -20,7 +20,7 @@ describe("offline", { timeout: 600_000 }, () => {
 
   /** A new visitor with one page; `asked` fills with every address that page, workers and service worker ask for. */
   async function visitor() {
-    const context = await browser.page.context().browser().newContext({ viewport: { width: 1280, height: 800 }, reducedMotion: "reduce" });
+    const context = await browser.page.context().browser().newContext({ viewport: { width: 1280, height: 800 }, deviceScaleFactor: COARSE, reducedMotion: "reduce" });
     contexts.push(context);
     const page = await context.newPage();
     page.setDefaultTimeout(PATIENCE_MS);
@@ -41,7 +41,7 @@ describe("offline", { timeout: 600_000 }, () => {
 
     it(`${name}, it opens again without a network and cuts`, async () => {
       const page = await visitor();
-      await page.visit(`${url}?renderer=webgl&run=0${query}`);
+      await page.visit(`${url}?renderer=webgl&run=0&sample=none${query}`);
       await isKept(page);
       await isControlled(page);
       await page.context.setOffline(true);
@@ -58,7 +58,7 @@ describe("offline", { timeout: 600_000 }, () => {
 
   it("is installable: a manifest with icons that exist", async () => {
     const page = await visitor();
-    await page.visit(`${PACKED_PAGE}?renderer=webgl&run=0`);
+    await page.visit(`${PACKED_PAGE}?renderer=webgl&run=0&sample=none`);
     const link = await page.page.locator("link[rel=manifest]").evaluate(({ href }) => href);
     const manifest = await page.page.evaluate(async (link) => (await fetch(link)).json(), link);
     assert.equal(manifest.display, "standalone");
@@ -80,7 +80,7 @@ describe("offline", { timeout: 600_000 }, () => {
 
   it("is not kept on this machine while the page is worked on", async () => {
     const page = await visitor();
-    await page.visit(`${PAGE}?renderer=webgl&run=0`);
+    await page.visit(`${PAGE}?renderer=webgl&run=0&sample=none`);
     assert.deepEqual(await page.page.evaluate(async () => (await navigator.serviceWorker.getRegistrations()).length), 0);
   });
 
@@ -88,7 +88,7 @@ describe("offline", { timeout: 600_000 }, () => {
     const page = await visitor();
     const host = await uploads();
     try {
-      const url = `${host.url}?renderer=webgl&run=0`;
+      const url = `${host.url}?renderer=webgl&run=0&sample=none`;
       await page.visit(url);
       await isKept(page);
       await isControlled(page);

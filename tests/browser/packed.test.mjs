@@ -3,13 +3,13 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PACKED_PAGE, RENDERERS, open } from "./chromium.mjs";
+import { COARSE, PACKED_PAGE, RENDERERS, open } from "./chromium.mjs";
 import { Page } from "./page.mjs";
 
 describe("packed for a host", { timeout: 300_000 }, () => {
   let browser;
   before(async () => {
-    browser = await open(RENDERERS[0]);
+    browser = await open(RENDERERS[0], COARSE);
   });
   after(() => browser?.close());
 

@@ -2,7 +2,22 @@
 
 import { readFile } from "node:fs/promises";
 
-import { PATIENCE_MS } from "./chromium.mjs";
+import { COARSE, PAGE, PATIENCE_MS, open } from "./chromium.mjs";
+
+/**
+ * A browser with the page in it, at rest: `{ browser, page, tab }`. With a `mesh` that one is open, and no sample was before it; `script`
+ * runs in the page before its own. Tests that compare pictures ask for all `pixels`.
+ */
+export async function begin(renderer, { query = "run=0", name = "mesh.obj", mesh = null, script = null, pixels = COARSE, ready } = {}) {
+  const browser = await open(renderer, pixels);
+  const page = new Page(browser.page);
+  if (script) await page.page.addInitScript(script);
+  await page.visit(`${PAGE}?renderer=${renderer.query}&${mesh ? "sample=none&" : ""}${query}`);
+  await page.page.waitForSelector("html[data-renderer]", { state: "attached" });
+  if (await page.page.locator("html").getAttribute("data-renderer") !== renderer.name) throw new Error(`the page is not drawn with ${renderer.name}`);
+  if (mesh) await page.bring(name, mesh, ready);
+  return { browser, page, tab: page.page };
+}
 
 export class Page {
   constructor(page) {
@@ -15,17 +30,11 @@ export class Page {
     return this.status(/^(Ready|Running|Paused|Converged)/);
   }
 
-  /** Waits for a status line; gives the match. */
+  /** Waits for a status line; gives the match. The page itself watches: a state that soon passes is not missed. */
   async status(pattern) {
-    const line = this.page.getByRole("status");
-    const end = Date.now() + PATIENCE_MS;
-    let text = "";
-    while (Date.now() < end) {
-      text = (await line.textContent()).trim();
-      const match = pattern.exec(text);
-      if (match) return match;
-      await this.page.waitForTimeout(20);
-    }
+    await this.page.getByRole("status").waitFor({ state: "attached" });
+    const { match, text } = await this.page.evaluate(watchStatus, { source: pattern.source, flags: pattern.flags, patience: PATIENCE_MS });
+    if (match) return match;
     throw new Error(`the status line says “${text}” and never ${pattern}`);
   }
 
@@ -46,6 +55,20 @@ export class Page {
   async chooseFile(name, content) {
     const file = { name, mimeType: "application/octet-stream", buffer: Buffer.from(content) };
     await this.page.getByLabel("Open mesh", { exact: true }).setInputFiles(file);
+  }
+
+  /** Drops a mesh on the page, and waits until it is open and ready: cones are solved at once. */
+  async bring(name, content, ready = /^Ready$/) {
+    await this.dropFile(name, content);
+    await this.until(`${name} is open`, () => this.page.title(), (title) => title.endsWith(name));
+    await this.status(ready);
+  }
+
+  /** Waits for frames after which whatever was asked for is drawn: the newest scene may take one or two to reach the canvas. */
+  drawn() {
+    return this.page.evaluate(async () => {
+      for (let i = 0; i < 4; i += 1) await new Promise((done) => requestAnimationFrame(done));
+    });
   }
 
   /** Drops a file on the page, as from a file manager. */
@@ -135,4 +158,25 @@ export class Page {
     const paragraphs = await alert.locator("p").allTextContents();
     return paragraphs.map((text) => text.trim()).filter(Boolean);
   }
+}
+
+/** Runs in the page: gives the first status line that matches, or what it says when patience ends. */
+function watchStatus({ source, flags, patience }) {
+  const line = document.querySelector("[role=status]");
+  const pattern = new RegExp(source, flags);
+  return new Promise((resolve) => {
+    const observer = new MutationObserver(look);
+    const late = setTimeout(() => end(null), patience);
+    function end(match) {
+      observer.disconnect();
+      clearTimeout(late);
+      resolve({ match: match && [...match], text: line.textContent.trim() });
+    }
+    function look() {
+      const match = pattern.exec(line.textContent.trim());
+      if (match) end(match);
+    }
+    observer.observe(line, { childList: true, characterData: true, subtree: true });
+    look();
+  });
 }

@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { COARSE, PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
 import { Page } from "./page.mjs";
 
 const [renderer] = RENDERERS;
@@ -14,7 +14,7 @@ const ITEM = "Allowance, notches, sheet …";
 describe("patterns", { timeout: 600_000 }, () => {
   let browser, page, dialog;
   before(async () => {
-    browser = await open(renderer);
+    browser = await open(renderer, COARSE);
     page = new Page(browser.page);
     await page.visit(`${PAGE}?renderer=${renderer.query}&sample=ball&run=0`);
     await page.status(/^Ready/);

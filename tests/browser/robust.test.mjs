@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { COARSE, PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
 import { ellipsoid } from "./meshes.mjs";
 import { Page } from "./page.mjs";
 import { decodePng, difference, variety } from "./pixels.mjs";
@@ -12,6 +12,8 @@ import { records, visitors } from "./visitors.mjs";
 
 const [, WEBGPU] = RENDERERS;
 const AT_REST = `${PAGE}?renderer=webgl&run=0`;
+/** Without a sample, for tests that bring a mesh. */
+const EMPTY = `${AT_REST}&sample=none`;
 const SMALL = ellipsoid(3);
 
 /** Lets a test end the workers of a page, as a browser that is short of memory does: without a word to anybody. */
@@ -40,22 +42,6 @@ function recordWorkers() {
 /** Ends the worker, and so many in all as soon as they live. */
 const endWorkers = (page, count = 1) => page.evaluate((detail) => dispatchEvent(new CustomEvent("end workers", { detail })), count);
 
-/** The same as soon as a run has come so far, told inside the page: its steps are shorter than the way to this process. */
-const endWorkersAtStep = (page) =>
-  page.evaluate(
-    () =>
-      new Promise((resolve) => {
-        const line = document.querySelector("[role=status]");
-        const observer = new MutationObserver(() => {
-          if (!/^Running step ([3-9]|\d\d)/.test(line.textContent.trim())) return;
-          observer.disconnect();
-          dispatchEvent(new CustomEvent("end workers", { detail: 1 }));
-          resolve();
-        });
-        observer.observe(line, { childList: true, subtree: true, characterData: true });
-      }),
-  );
-
 describe("robust page", { timeout: 900_000 }, () => {
   const { visitor, tab, leave } = visitors();
 
@@ -65,7 +51,8 @@ describe("robust page", { timeout: 900_000 }, () => {
     let page;
     before(async () => {
       page = await tab(await visitor());
-      await page.visit(AT_REST);
+      await page.visit(EMPTY);
+      await page.bring("mine.obj", SMALL);
     });
     after(leave);
 
@@ -104,10 +91,8 @@ describe("robust page", { timeout: 900_000 }, () => {
     it("come back after the tab was killed: mesh, parameters and cut", async () => {
       const context = await visitor();
       const page = await tab(context);
-      await page.visit(AT_REST);
-      await page.chooseFile("mine.obj", SMALL);
-      await page.page.waitForFunction(() => document.title.includes("mine.obj"));
-      await page.status(/^Ready$/);
+      await page.visit(EMPTY);
+      await page.bring("mine.obj", SMALL);
       const offset = page.page.getByRole("textbox", { name: /length/i }).first();
       await offset.fill("2.5");
       await offset.press("Enter");
@@ -138,7 +123,9 @@ describe("robust page", { timeout: 900_000 }, () => {
     it("are not kept before somebody has done something", async () => {
       const page = await tab(await visitor());
       await page.visit(`${PAGE}?renderer=webgl`);
-      await page.status(/^(Running step [2-9]|Converged)/);
+      await page.status(/^(Running step ([2-9]|\d\d)|Converged)/);
+      await page.pressAtOnce("Pause");
+      await page.status(/^(Paused|Converged)/);
       // Twice as long as what is done by hand takes to be kept.
       await page.page.waitForTimeout(2000);
       assert.deepEqual(await records(page), []);
@@ -147,7 +134,7 @@ describe("robust page", { timeout: 900_000 }, () => {
     it("that are broken are dropped with a word", async () => {
       const context = await visitor();
       const page = await tab(context);
-      await page.visit(AT_REST);
+      await page.visit(EMPTY);
       await records(page);
       await page.page.evaluate(
         () =>
@@ -181,7 +168,8 @@ describe("robust page", { timeout: 900_000 }, () => {
           for (const name of ["indexedDB", "localStorage", "caches"]) Object.defineProperty(window, name, { get: denied });
         }),
       );
-      await page.visit(AT_REST);
+      await page.visit(EMPTY);
+      await page.bring("mine.obj", SMALL);
       await page.press("Step");
       await page.status(/^Paused at step 1$/);
       await page.page.getByText(/This browser keeps no data of this page/).waitFor();
@@ -197,7 +185,8 @@ describe("robust page", { timeout: 900_000 }, () => {
           };
         }),
       );
-      await page.visit(AT_REST);
+      await page.visit(EMPTY);
+      await page.bring("mine.obj", SMALL);
       await page.press("Step");
       await page.page.getByText(/There is no room left to keep the session/).waitFor();
       await page.press("Step");
@@ -210,10 +199,8 @@ describe("robust page", { timeout: 900_000 }, () => {
     let page;
     before(async () => {
       page = await tab(await visitor({}, recordWorkers));
-      await page.visit(AT_REST);
-      await page.chooseFile("mine.obj", SMALL);
-      await page.page.waitForFunction(() => document.title.includes("mine.obj"));
-      await page.status(/^Ready$/);
+      await page.visit(EMPTY);
+      await page.bring("mine.obj", SMALL);
     });
     after(leave);
 
@@ -231,10 +218,12 @@ describe("robust page", { timeout: 900_000 }, () => {
     it("in the middle of a run loses no more than the time since", async () => {
       // Trust comes back only with time; another page is faster.
       const other = await tab(await visitor({}, recordWorkers));
-      await other.visit(AT_REST);
-      const ended = endWorkersAtStep(other.page);
-      await other.press("Run");
-      await ended;
+      await other.visit(EMPTY);
+      await other.bring("mine.obj", ellipsoid(4));
+      const running = other.status(/^Running step ([3-9]|\d\d)/);
+      await other.pressAtOnce("Run");
+      await running;
+      await endWorkers(other.page);
       await other.page.getByText(/The solver stopped and was started again/).waitFor();
       await other.status(/^(Paused|Ready|Converged)/);
       await other.press("Step");
@@ -245,9 +234,8 @@ describe("robust page", { timeout: 900_000 }, () => {
     it("again and again is given up, and the project is offered", async () => {
       // A visitor of its own: a worker that lived for a while after its death would count from one again.
       page = await tab(await visitor({}, recordWorkers));
-      await page.visit(AT_REST);
-      await page.chooseFile("mine.obj", SMALL);
-      await page.page.waitForFunction(() => document.title.includes("mine.obj"));
+      await page.visit(EMPTY);
+      await page.bring("mine.obj", SMALL);
       await page.press("Step");
       await page.until("the session is kept", () => records(page), (all) => all[0]?.about.endsWith("step 1"));
       await endWorkers(page.page, 3);
@@ -284,7 +272,7 @@ describe("robust page", { timeout: 900_000 }, () => {
       await page.page.waitForFunction(() => document.querySelectorAll("canvas[role=img]:not([data-lost])").length === 2);
       await page.pressAtOnce("Pause");
       await page.status(/^(Paused|Converged)/);
-      await page.page.waitForTimeout(500);
+      await page.drawn();
       const again = decodePng(await canvas.screenshot());
       assert.ok(variety(again).covered > 0.1, "the surface is drawn again");
       // The same view of another page is the measure.
@@ -293,14 +281,40 @@ describe("robust page", { timeout: 900_000 }, () => {
       assert.match(link, /view=/);
       await page.page.keyboard.press("Escape");
       await page.press("Fit surface");
-      await page.page.waitForTimeout(500);
+      await page.drawn();
       const fitted = decodePng(await canvas.screenshot());
       assert.ok(difference(again, fitted) > 1, "it was nearer than all of it");
       assert.deepEqual(page.troubles, []);
     });
 
+    it("that are lost keep what was pinned, in both views", async () => {
+      const page = await tab(await visitor());
+      await page.visit(EMPTY);
+      await page.bring("mine.obj", SMALL);
+      await page.page.getByLabel("Surface overlay", { exact: true }).selectOption("u");
+      await page.until("the field", () => page.page.locator(".surface .legend .title").count(), (count) => count === 1);
+      const box = await page.canvas("Surface view").boundingBox();
+      const pins = page.page.getByRole("button", { name: /^Pinned/ });
+      const said = () => pins.evaluateAll((list) => list.map((pin) => [pin.textContent, pin.getBoundingClientRect().x, pin.getBoundingClientRect().y]));
+      await page.page.mouse.click(box.x + 0.5 * box.width, box.y + 0.45 * box.height);
+      await page.until("pins", () => pins.count(), (count) => count === 2);
+      await page.page.keyboard.press("ArrowLeft");
+      await page.drawn();
+      const before = await said();
+      await page.page.evaluate(() => {
+        for (const canvas of document.querySelectorAll("canvas[role=img]")) {
+          canvas.dataset.lost = "";
+          canvas.getContext("webgl2").getExtension("WEBGL_lose_context").loseContext();
+        }
+      });
+      await page.page.waitForFunction(() => document.querySelectorAll("canvas[role=img]:not([data-lost])").length === 2);
+      const isSame = ([value, x, y], i) => value === before[i][0] && Math.hypot(x - before[i][1], y - before[i][2]) < 2;
+      await page.until("the pins where they were", said, (now) => now.length === before.length && now.every(isSame));
+      assert.deepEqual(page.troubles, []);
+    });
+
     it("of WebGPU that are lost during a run are made again", async () => {
-      const other = await open(WEBGPU);
+      const other = await open(WEBGPU, COARSE);
       try {
         const { page } = other;
         await page.addInitScript(() => {
@@ -324,7 +338,7 @@ describe("robust page", { timeout: 900_000 }, () => {
         await page.waitForFunction(() => document.querySelectorAll("canvas[role=img]:not([data-lost])").length === 2);
         await person.pressAtOnce("Pause");
         await person.status(/^(Paused|Converged)/);
-        await page.waitForTimeout(500);
+        await person.drawn();
         assert.ok(variety(decodePng(await person.canvas("Surface view").screenshot())).covered > 0.1, "the surface is drawn again");
       } finally {
         await other.close();
@@ -368,16 +382,18 @@ describe("robust page", { timeout: 900_000 }, () => {
           };
         }),
       );
-      await page.visit(AT_REST);
+      await page.visit(EMPTY);
       const [what] = await page.error();
       assert.match(what, /cannot be drawn/);
+      await page.bring("mine.obj", SMALL);
       await page.press("Step");
       await page.status(/^Paused at step 1$/);
     });
 
     it("too large for the memory are refused before it is taken, and the one before stays", async () => {
       const page = await tab(await visitor());
-      await page.visit(AT_REST);
+      await page.visit(EMPTY);
+      await page.bring("mine.obj", SMALL);
       await page.page.evaluate(() => {
         const faces = 2_200_000;
         const head = new TextEncoder().encode(
@@ -399,7 +415,7 @@ describe("robust page", { timeout: 900_000 }, () => {
       assert.match(what, /2200000 triangles.*GiB/);
       assert.equal(where, "huge.ply.");
       assert.match(todo, /Reduce it to \d+ triangles or fewer/);
-      assert.match(await page.page.title(), /Ball/);
+      assert.match(await page.page.title(), /mine\.obj/);
       await page.press("Dismiss");
       await page.press("Step");
       await page.status(/^Paused at step 1$/);
@@ -408,12 +424,10 @@ describe("robust page", { timeout: 900_000 }, () => {
 
     it("that take the place of another can keep its cut", async () => {
       const page = await tab(await visitor());
-      await page.visit(AT_REST);
-      await page.chooseFile("first.obj", SMALL);
-      await page.page.waitForFunction(() => document.title.includes("first.obj"));
-      await page.status(/^Ready$/);
+      await page.visit(EMPTY);
+      await page.bring("first.obj", SMALL);
       const [pieces, length] = [await page.measure("Pieces"), await page.measure("Cut length")];
-      await page.chooseFile("second.obj", ellipsoid(4));
+      await page.chooseFile("second.obj", ellipsoid(3));
       await page.page.getByRole("group", { name: "Cut of the mesh before" }).waitFor();
       await screenshot(page.page, "keep-the-cut");
       await page.press("Keep the cut");

@@ -4,9 +4,9 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { RENDERERS, screenshot } from "./chromium.mjs";
 import { ellipsoid, parseObj, uvAreas } from "./meshes.mjs";
-import { Page } from "./page.mjs";
+import { begin } from "./page.mjs";
 
 /** 642 vertices. */
 const MESH = ellipsoid(3);
@@ -15,11 +15,7 @@ const [renderer] = RENDERERS;
 describe("segmentations", { timeout: 600_000 }, () => {
   let browser, page;
   before(async () => {
-    browser = await open(renderer);
-    page = new Page(browser.page);
-    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
-    await page.dropFile("ellipsoid.obj", MESH);
-    await page.status(/^Ready/);
+    ({ browser, page } = await begin(renderer, { name: "ellipsoid.obj", mesh: MESH }));
   });
   after(() => browser?.close());
 
@@ -70,7 +66,7 @@ describe("segmentations", { timeout: 600_000 }, () => {
     await label("Atlas").selectOption("blended");
     await browser.page.waitForFunction(() => document.querySelector("select.overlay").value === "pieces");
     await label("Texture").selectOption("marble");
-    await browser.page.waitForTimeout(500);
+    await page.drawn();
     await screenshot(browser.page, "atlas");
     await label("Atlas").selectOption("pieces");
   });

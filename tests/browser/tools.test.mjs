@@ -4,9 +4,9 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { RENDERERS, screenshot } from "./chromium.mjs";
 import { asObj, ellipsoid, parseObj } from "./meshes.mjs";
-import { Page } from "./page.mjs";
+import { begin } from "./page.mjs";
 import { decodePng, difference } from "./pixels.mjs";
 
 /** 642 vertices: three mirror planes, and quick to cut. */
@@ -18,21 +18,20 @@ const CROOKED = {
 };
 const [renderer] = RENDERERS;
 
+/** Runs in the page: keeps what the page tells the engine. */
+function recordCommands() {
+  window.sent = [];
+  const post = Worker.prototype.postMessage;
+  Worker.prototype.postMessage = function (message, ...rest) {
+    if (message.type === "command") window.sent.push(message.command);
+    return post.call(this, message, ...rest);
+  };
+}
+
 describe("steering the cut", { timeout: 600_000 }, () => {
   let browser, page;
   before(async () => {
-    browser = await open(renderer);
-    page = new Page(browser.page);
-    // What the page tells the engine.
-    await browser.page.addInitScript(() => {
-      window.sent = [];
-      const post = Worker.prototype.postMessage;
-      Worker.prototype.postMessage = function (message, ...rest) {
-        if (message.type === "command") window.sent.push(message.command);
-        return post.call(this, message, ...rest);
-      };
-    });
-    await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
+    ({ browser, page } = await begin(renderer, { script: recordCommands, name: "ellipsoid.obj", mesh: asObj(MESH) }));
   });
   after(() => browser?.close());
 
@@ -47,8 +46,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   async function picture() {
     await browser.page.mouse.move(5, 5);
     await browser.page.locator("#toast").waitFor({ state: "hidden" });
-    // The newest scene may take a frame or two to reach the canvas.
-    await browser.page.waitForTimeout(500);
+    await page.drawn();
     return decodePng(await page.canvas("Surface view").screenshot());
   }
   async function middle() {
@@ -57,9 +55,6 @@ describe("steering the cut", { timeout: 600_000 }, () => {
   }
 
   it("marks a changed parameter, and brings its default back", async () => {
-    await page.dropFile("ellipsoid.obj", asObj(MESH));
-    await opened("ellipsoid.obj");
-    await page.status(/^Ready$/);
     const length = number("Cut length");
     const usual = await length.inputValue();
     const reset = browser.page.getByRole("button", { name: `Reset Cut length to ${usual}`, exact: true });
@@ -77,12 +72,9 @@ describe("steering the cut", { timeout: 600_000 }, () => {
     assert.ok(await first().evaluate((node) => node.open), "the first group is open at first");
     await first().locator("summary").press("Enter");
     await browser.page.reload();
-    await page.status(/^(Ready|Paused|Converged)/);
+    await page.bring("ellipsoid.obj", asObj(MESH));
     assert.ok(!(await first().evaluate((node) => node.open)), "it is folded still");
     await first().locator("summary").press("Enter");
-    await page.dropFile("ellipsoid.obj", asObj(MESH));
-    await opened("ellipsoid.obj");
-    await page.status(/^Ready$/);
   });
 
   it("sets several parameters with a preset, two clicks from anywhere", async (t) => {
@@ -102,9 +94,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
     await page.press("Undo");
     await page.until("one Undo takes all of it back", values, (now) => now === plush);
     await screenshot(browser.page, "tools-preset");
-    await page.dropFile("ellipsoid.obj", asObj(MESH));
-    await opened("ellipsoid.obj");
-    await page.status(/^Ready/);
+    await page.bring("ellipsoid.obj", asObj(MESH));
   });
 
   it("reaches the presets with the keyboard", async (t) => {
@@ -229,9 +219,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
     assert.equal(ids.length, 1);
     await screenshot(browser.page, "tools-symmetry");
 
-    await page.dropFile("crooked.obj", asObj(CROOKED));
-    await opened("crooked.obj");
-    await page.status(/^Ready/);
+    await page.bring("crooked.obj", asObj(CROOKED));
     await find().click();
     await browser.page.getByText("None found").waitFor({ state: "visible" });
   });
@@ -257,7 +245,7 @@ describe("steering the cut", { timeout: 600_000 }, () => {
         const { height } = await group("Brush tools").boundingBox();
         assert.ok(height <= 48, `the tools wrap: ${height} px`);
       }
-      await browser.page.waitForTimeout(500);
+      await page.drawn();
       await screenshot(browser.page, `tools-phone-${width}`);
       const excess = () => browser.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
       assert.equal(await excess(), 0, "the page scrolls sideways");

@@ -4,12 +4,12 @@
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
-import { PAGE, RENDERERS, open, screenshot } from "./chromium.mjs";
+import { PAGE, RENDERERS, screenshot } from "./chromium.mjs";
 import { ellipsoid } from "./meshes.mjs";
-import { Page } from "./page.mjs";
+import { begin } from "./page.mjs";
 import { decodePng, difference } from "./pixels.mjs";
 
-const MESH = ellipsoid(4);
+const MESH = ellipsoid(3);
 const CANVASES = ["Surface view", "Flattened view"];
 const TEXTURES = ["none", "checkerboard", "grid", "circles", "spots", "marble"];
 /** Sixteen pixels squared: stripes of pure green and white. */
@@ -34,15 +34,9 @@ for (const renderer of RENDERERS) {
   describe(`the texture with ${renderer.name}`, { timeout: 600_000 }, () => {
     let browser, page;
     before(async () => {
-      browser = await open(renderer);
-      page = new Page(browser.page);
-      await page.visit(`${PAGE}?renderer=${renderer.query}&run=0`);
-      await page.dropFile("ellipsoid.obj", MESH);
-      await page.status(/^Ready/);
+      ({ browser, page } = await begin(renderer, { name: "ellipsoid.obj", mesh: MESH, pixels: 1 }));
       await page.press("Step");
       await page.status(/^Paused at step 1\b/);
-      await browser.page.waitForSelector("html[data-renderer]", { state: "attached" });
-      assert.equal(await browser.page.locator("html").getAttribute("data-renderer"), renderer.name);
     });
     after(() => browser?.close());
 
@@ -51,7 +45,7 @@ for (const renderer of RENDERERS) {
     const isPressed = (name) => browser.page.getByRole("button", { name, exact: true }).getAttribute("aria-pressed");
     async function picture(label) {
       await browser.page.mouse.move(5, 5);
-      await browser.page.waitForTimeout(400);
+      await page.drawn();
       return decodePng(await page.canvas(label).screenshot());
     }
 
@@ -209,9 +203,8 @@ describe("textures of both backends", () => {
 describe("what stands over the views", { timeout: 600_000 }, () => {
   let browser, page;
   before(async () => {
-    browser = await open(RENDERERS[0]);
-    page = new Page(browser.page);
-    await page.visit(`${PAGE}?renderer=${RENDERERS[0].query}&run=0`);
+    // Letters are as wide as they are only where every pixel is drawn.
+    ({ browser, page } = await begin(RENDERERS[0], { pixels: 1 }));
   });
   after(() => browser?.close());
 

@@ -2,7 +2,7 @@
 
 import { after, before } from "node:test";
 
-import { PATIENCE_MS, RENDERERS, open } from "./chromium.mjs";
+import { COARSE, PATIENCE_MS, RENDERERS, open } from "./chromium.mjs";
 import { Page } from "./page.mjs";
 
 /** To be called within `describe`: `visitor(options, script)` gives a context, `tab(context)` a page in it, `leave()` ends all. */
@@ -14,7 +14,7 @@ export function visitors() {
   return {
     /** A new visitor, whose pages run `script` first. */
     async visitor(options = {}, script = null) {
-      const context = await browser.page.context().browser().newContext({ viewport: { width: 1280, height: 800 }, reducedMotion: "reduce", colorScheme: "light", ...options });
+      const context = await browser.page.context().browser().newContext({ viewport: { width: 1280, height: 800 }, deviceScaleFactor: COARSE, reducedMotion: "reduce", colorScheme: "light", ...options });
       contexts.push(context);
       if (script) await context.addInitScript(script);
       return context;

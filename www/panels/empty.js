@@ -3,13 +3,17 @@
 import { byId, h, icon } from "../dom.js";
 
 /**
- * @param on `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()`, `cut()` makes the first cut, `solve()`
- * places the first cones
+ * @param on `chooseMesh()` asks for a file, `openMesh()` opens the Mesh section, `repairAll()`, `toPieces()`, `cut()` makes the first cut, `solve()` runs
+ * the method
  */
 export function emptyState(on) {
   const host = byId("empty");
   const action = (label, run) => h("button", { class: "btn primary", onclick: run }, label);
   const states = {
+    none: () => [
+      h("p", {}, "No mesh is open: drop one here, or choose a sample."),
+      action("Open a mesh", on.chooseMesh),
+    ],
     blocked: (canRepair) => [
       icon("block"),
       h(
@@ -30,7 +34,10 @@ export function emptyState(on) {
       h("p", {}, "The mesh is not cut yet."),
       h("button", { class: "btn outlined", onclick: on.cut }, "Make the first cut"),
     ],
-    undivided: () => [h("p", {}, "The surface is not divided.")],
+    undivided: () => [
+      h("p", {}, "The surface is not divided yet."),
+      h("button", { class: "btn outlined", onclick: on.solve }, "Divide it"),
+    ],
     unsolved: () => [
       h("p", {}, "No cones yet: they show where the surface is cut."),
       h("button", { class: "btn outlined", onclick: on.solve }, "Place the cones"),

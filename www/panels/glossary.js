@@ -70,6 +70,11 @@ export function glossary() {
 export function linkWords(node, open) {
   for (const dfn of node.querySelectorAll("dfn")) {
     const word = dfn.title || dfn.textContent;
-    dfn.replaceWith(h("button", { type: "button", class: "word", "aria-haspopup": "dialog", title: `${word}: see the glossary`, "data-word": word, onclick: () => open(word) }, dfn.textContent));
+    const button = h("button", { type: "button", class: "word", "aria-haspopup": "dialog", title: `${word}: see the glossary`, "data-word": word, onclick: () => open(word) }, dfn.textContent);
+    // A line may break after a button: the mark that follows the word stays with it.
+    const after = dfn.nextSibling;
+    const [mark] = /^[.,:;)]+/.exec(after?.nodeType === Node.TEXT_NODE ? after.data : "") ?? [""];
+    if (mark) after.data = after.data.slice(mark.length);
+    dfn.replaceWith(mark ? h("span", { class: "together" }, button, mark) : button);
   }
 }

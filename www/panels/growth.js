@@ -24,7 +24,7 @@ export function growthPanel(on) {
       h("thead", {}, h("tr", {}, ...["Stage", "Pieces", "Seam"].map((name) => h("th", { scope: "col" }, name)))),
       body,
     ),
-    h("div", { class: "sew", role: "group", "aria-label": "Two pieces" }, "Pieces ", first, " and ", second, join, part),
+    h("div", { class: "sew", role: "group", "aria-label": "Two pieces" }, h("span", {}, "Pieces ", first, " and ", second), h("span", {}, join, part)),
     h("button", { class: "act", title: "Starts the cut flow from these pieces: it moves their borders to lower the distortion", onclick: on.handOver }, "Improve by the cut flow"),
   );
   let rows = [];
@@ -57,6 +57,7 @@ export function growthPanel(on) {
       const { pieces, is_active: isActive } = stages.at(-1) ?? {};
       // There are two pieces to choose once merging is over, if it has left two.
       for (const control of [first, second, join, part]) control.disabled = isActive || !(pieces > 1);
+      for (const input of [first, second]) input.max = Math.max(1, pieces ?? 1);
       node.hidden = stages.length === 0;
     },
     clear() {

@@ -42,6 +42,29 @@ export function stageParameters(change) {
   };
 }
 
+/** Formulas are set this much smaller at most. */
+const NARROWEST = 0.6;
+
+/** Sets formulas as large as their column lets them be. */
+export function fitFormulas(lesson) {
+  for (const formula of lesson.querySelectorAll("math[display=block]")) {
+    let narrow = 1;
+    // Spaces and letters do not shrink quite alike: what is still too wide shrinks again.
+    for (let turn = 0; turn < 3; turn += 1) {
+      formula.style.setProperty("--narrow", narrow);
+      const { paddingLeft, paddingRight } = getComputedStyle(formula);
+      const { left, width: box } = formula.getBoundingClientRect();
+      const room = box - Number.parseFloat(paddingLeft) - Number.parseFloat(paddingRight);
+      // Rows end with their box; what overflows is told by their parts only.
+      const ends = [...formula.querySelectorAll("*")].map((part) => part.getBoundingClientRect().right);
+      const width = Math.max(...ends) - left - Number.parseFloat(paddingLeft);
+      if (width <= room) break;
+      narrow = Math.max(NARROWEST, (0.98 * narrow * room) / width);
+    }
+    formula.style.setProperty("--narrow", narrow);
+  }
+}
+
 /** The papers behind a method; nothing is asked of the network until somebody follows a link. */
 export function papersOf(method) {
   const item = ({ authors, title, where, doi }) => {

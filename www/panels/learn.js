@@ -5,7 +5,7 @@ import { byId, h, icon, roving, write } from "../dom.js";
 import { wordsOf } from "../fields.js";
 import { fixed, measure, short } from "../format.js";
 import { linkWords } from "./glossary.js";
-import { papersOf, player, stageParameters } from "./learn-parts.js";
+import { fitFormulas, papersOf, player, stageParameters } from "./learn-parts.js";
 
 /** Longer side of a stage's little picture, in CSS pixels. */
 const THUMBNAIL_PX = 48;
@@ -129,9 +129,13 @@ export function learnPanel(on, facts) {
     fit();
   }
 
-  /** In a lecture a stage is seen whole: nobody scrolls a projector. */
+  /** In a lecture a stage is seen whole: nobody scrolls a projector. Elsewhere its formulas fit the column. */
   function fit() {
-    if (panel.hidden || !("lecture" in root.dataset)) return;
+    if (panel.hidden) return;
+    if (!("lecture" in root.dataset)) {
+      fitFormulas(lesson);
+      return;
+    }
     for (const [amount, sizes] of Object.entries(SIZES)) {
       lesson.dataset.amount = amount;
       for (const size of sizes) {

@@ -1,7 +1,7 @@
 // The tools over the views that need no panel of their own.
 
 import { byId } from "../dom.js";
-import { FLAT, SURFACE } from "../views.js";
+import { FLAT, SURFACE } from "../view-names.js";
 import { fixed, percent } from "../format.js";
 
 /** A button that stays pressed; `change(isOn)` follows it. */

@@ -74,16 +74,20 @@ export function waiting(on) {
     preparation = { mesh: on.mesh(), ...strip.begin(prepared, on.stop) };
   }
 
+  async function wait(sentence, ask, stop, patience) {
+    const mine = strip.begin(sentence, stop, patience);
+    answer = mine;
+    const got = await ask();
+    mine.end();
+    showPreparation();
+    return got;
+  }
+
   const waits = {
     /** Waits for the answer to `ask()`; who does not want to wait for it gets a new engine. */
-    async answer(sentence, cancelled, ask, patience) {
-      const mine = strip.begin(sentence, () => on.cancel(cancelled), patience);
-      answer = mine;
-      const got = await ask();
-      mine.end();
-      showPreparation();
-      return got;
-    },
+    answer: (sentence, cancelled, ask, patience) => wait(sentence, ask, () => on.cancel(cancelled), patience),
+    /** The same where the engine goes on: `back()` is called, and the answer is of no interest any more. */
+    ask: (sentence, ask, back) => wait(sentence, ask, () => (strip.end(), back())),
     /** Takes what is prepared now, null where nothing is. */
     prepare(sentence) {
       const hasChanged = (sentence === null) !== (prepared === null);

@@ -1,0 +1,4 @@
+// The two views, as the viewer counts them.
+
+export const SURFACE = 0;
+export const FLAT = 1;
