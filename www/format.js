@@ -52,9 +52,6 @@ export const percent = (fraction) => `${fraction > 0 && fraction < 5e-4 ? "<\u20
 /** `1 piece`, `2 pieces`. */
 export const plural = (n, one, many = `${one}s`) => `${count(n)} ${n === 1 ? one : many}`;
 
-/** A sentence of the engine, which counts steps in the plural: of one it is said in the singular. */
-export const counted = (text) => text.replace(/\b1 steps\b/, "1 step");
-
 /** What a person typed, or NaN: spaces, a decimal comma and a true minus sign are understood. */
 export function parse(text) {
   const plain = text.replace(/[\s\u202f\u00a0]/g, "").replaceAll(MINUS, "-").replace(",", ".");

@@ -92,7 +92,10 @@ impl Session {
         }
         self.is_running = false;
         self.remember(&format!("change to {}", method.label().to_lowercase()), "method");
-        let Some(work) = &mut self.work else { return Ok(()) };
+        let Some(work) = &mut self.work else {
+            self.field = method.first_field().into();
+            return Ok(());
+        };
         let field = work.change_method(method, &self.field);
         self.field = field.unwrap_or_else(|| method.first_field().into());
         match method {

@@ -93,7 +93,7 @@ pub use segmenting::{
 pub use size::settings_for;
 pub use specs::{all_specs, specs, specs_of};
 pub use surface::Surface;
-use text::shown_name;
+use text::{plural, shown_name};
 
 pub use text::Problem;
 
@@ -1046,11 +1046,16 @@ impl Session {
         } else {
             match work.flow.as_ref().map(CutFlow::status) {
                 None => ("ready", "Ready: not cut yet".to_owned()),
-                Some(Status::Converged) => ("converged", format!("Converged after {} steps", step)),
+                Some(Status::Converged) => {
+                    ("converged", format!("Converged after {}", plural(step, "step")))
+                }
                 // Every direction was tried at every length: as good an end as the other.
                 Some(Status::Stalled) => (
                     "stalled",
-                    format!("Converged after {step} steps: no search lowers the energy further"),
+                    format!(
+                        "Converged after {}: no search lowers the energy further",
+                        plural(step, "step")
+                    ),
                 ),
                 Some(_) if step as f64 >= limit => {
                     ("step_limit", format!("Paused at step {step}: step limit reached"))

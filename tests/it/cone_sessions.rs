@@ -415,3 +415,15 @@ fn methods_keep_what_they_have_made() {
     assert_eq!(session.method(), Method::Cones);
     assert_eq!(errors(&session.handle(Command::SetMethod { id: "magic".into() })).len(), 1);
 }
+
+#[test]
+fn a_method_chosen_before_there_is_a_mesh_shows_its_own_field() {
+    let mut session = Session::new();
+    session.handle(Command::SetMethod { id: "cones".into() });
+    let events = session.handle(Command::OpenSample { name: "car_hood".into() });
+    let current = events.iter().rev().find_map(|event| match event {
+        Event::Fields { current, .. } => Some(current.as_str()),
+        _ => None,
+    });
+    assert_eq!(current, Some("u"));
+}

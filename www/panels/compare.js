@@ -2,7 +2,7 @@
 // measures; the page takes the pictures, with the camera where it is, as each result is drawn.
 
 import { byId, h, icon, write } from "../dom.js";
-import { counted, measure, plural } from "../format.js";
+import { measure, plural } from "../format.js";
 
 /** What one asks for a second time rarely: the table as a file. */
 const FILE = "Comparison (CSV)";
@@ -202,7 +202,7 @@ export function comparePanel(on) {
       if (document.activeElement !== card.name) card.name.value = result.name;
       card.badge.hidden = !isCurrent;
       const settings = result.settings.map(({ label, text }) => `${label} ${text}`);
-      write(card.facts, [result.method_label, ...settings, counted(result.status)].join(" · "));
+      write(card.facts, [result.method_label, ...settings, result.status].join(" · "));
       write(card.note, result.note ?? "");
       card.note.classList.toggle("failed", !result.has_result);
       card.again.disabled = result.isLost || !result.has_result || isCurrent || table.progress !== null;

@@ -1,7 +1,7 @@
 // Transport buttons, the status line, and what a step costs.
 
 import { byId, paced, write } from "../dom.js";
-import { counted, fixed } from "../format.js";
+import { fixed } from "../format.js";
 
 const INTERVAL = 125;
 /** States from which a run can go on, and from which a single step can be taken. */
@@ -76,7 +76,7 @@ export function statusPanel({ run, pause, step, reset }) {
       state = event.state;
       at = event.step ?? 0;
       if (STARTABLE.includes(state)) atRest = event;
-      text = counted(event.text);
+      text = event.text;
       document.documentElement.dataset.state = state;
       enable();
       if (changed) line.dataset.state = "";

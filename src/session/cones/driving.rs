@@ -4,7 +4,7 @@ use super::super::charting::Charting;
 use super::super::layout::Layout;
 use super::super::message::{Event, Value};
 use super::super::method::Method;
-use super::super::text::Problem;
+use super::super::text::{Problem, plural};
 use super::super::work::{Pending, Work};
 use super::super::{Session, nothing_open};
 use super::{ConeSet, Wanted, measures, problem};
@@ -185,13 +185,14 @@ impl Session {
                 ("running", format!("Running step {rounds}: making charts"))
             }
             _ if cones.is_stale => ("paused", format!("Paused at step {rounds}")),
-            Some(Status::Infeasible) => {
-                ("stalled", format!("Converged after {rounds} steps: the target cannot be reached"))
-            }
+            Some(Status::Infeasible) => (
+                "stalled",
+                format!("Converged after {}: the target cannot be reached", plural(rounds, "step")),
+            ),
             Some(Status::Stalled) => {
                 ("stalled", format!("Paused at step {rounds}: rounding ends progress"))
             }
-            _ => ("converged", format!("Converged after {rounds} steps")),
+            _ => ("converged", format!("Converged after {}", plural(rounds, "step"))),
         }
     }
 

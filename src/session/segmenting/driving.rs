@@ -2,7 +2,7 @@
 
 use super::super::message::Event;
 use super::super::method::Method;
-use super::super::text::Problem;
+use super::super::text::{Problem, plural};
 use super::super::work::{Pending, Work};
 use super::super::{Session, nothing_open};
 use crate::methods::flow::Status;
@@ -153,7 +153,7 @@ impl Session {
                 ("stalled", format!("Paused at step {step}: {}", segmentation.doing()))
             }
             Some(Status::Converged | Status::Stalled) => {
-                ("converged", format!("Converged after {step} steps"))
+                ("converged", format!("Converged after {}", plural(step, "step")))
             }
         }
     }
