@@ -75,7 +75,7 @@ pub fn rows() -> Vec<Row> {
 }
 
 /// Mean time of a trial of merging a sphere's clusters by A_tot, over a run.
-fn trials(regions: usize, max_patch_area: f64) -> Row {
+fn trials(regions: u32, max_patch_area: f64) -> Row {
     let (mesh, geometry) = sphere(32);
     let initial = Initial::NormalClusters { angle: 0.5, regions };
     let found = initial_labels(&mesh, &geometry, &initial).expect("a sphere has clusters").labels;
