@@ -146,6 +146,8 @@ struct Problem<'a> {
     places: Vec<Complex<f64>>,
     vertex_patches: Vec<u32>,
     usable: Vec<bool>,
+    /// Whether the place of each vertex is sought: off the rims of patches in use.
+    unknown: Vec<bool>,
 }
 
 impl<'a> Problem<'a> {
@@ -166,28 +168,40 @@ impl<'a> Problem<'a> {
             usable[opened.face_patches[f.index()] as usize] &= shaped;
         }
         let places = places.iter().map(|p| Complex::new(p.x, p.y)).collect();
-        Self { opened, geometry, places, vertex_patches, usable }
+        let mut problem =
+            Self { opened, geometry, places, vertex_patches, usable, unknown: Vec::new() };
+        problem.find_unknown();
+        problem
+    }
+
+    /// Brings `unknown` up to date with the patches in use.
+    fn find_unknown(&mut self) {
+        let mesh = &self.opened.mesh;
+        let is_unknown = |v: VertexId| {
+            mesh.halfedge(v).is_some()
+                && !mesh.is_boundary_vertex(v)
+                && self.usable[self.vertex_patches[v.index()] as usize]
+        };
+        self.unknown = mesh.vertices().map(is_unknown).collect();
     }
 
     fn is_unknown(&self, v: VertexId) -> bool {
-        let mesh = &self.opened.mesh;
-        mesh.halfedge(v).is_some()
-            && !mesh.is_boundary_vertex(v)
-            && self.usable[self.vertex_patches[v.index()] as usize]
+        self.unknown[v.index()]
+    }
+
+    /// Whether a face lies in a patch with a map.
+    fn is_used(&self, f: FaceId) -> bool {
+        self.usable[self.opened.face_patches[f.index()] as usize]
     }
 
     /// Halfedges of faces in patches with a map, with the cotangent opposite.
     fn sides(&self) -> impl Iterator<Item = (FaceId, usize, [VertexId; 2], f64)> + '_ {
         let mesh = &self.opened.mesh;
-        mesh.faces().filter(|f| self.usable[self.opened.face_patches[f.index()] as usize]).flat_map(
-            move |f| {
-                let corners = mesh.face_vertices(f);
-                let cotangents = self.geometry.corner_cotangents[f.index()];
-                (0..3).map(move |i| {
-                    (f, i, [corners[i], corners[(i + 1) % 3]], cotangents[(i + 2) % 3])
-                })
-            },
-        )
+        mesh.faces().filter(|f| self.is_used(*f)).flat_map(move |f| {
+            let corners = mesh.face_vertices(f);
+            let cotangents = self.geometry.corner_cotangents[f.index()];
+            (0..3).map(move |i| (f, i, [corners[i], corners[(i + 1) % 3]], cotangents[(i + 2) % 3]))
+        })
     }
 
     /// The harmonic map and the factor that made it. Patches whose system cannot be factored are out of use from then on.
@@ -196,7 +210,8 @@ impl<'a> Problem<'a> {
             let (pattern, values) = self.laplacian();
             match Factor::new(Arc::new(Analysis::new(pattern)?), &values) {
                 Ok(mut factor) => {
-                    let found = self.solve(&mut factor, &vec![Complex::default(); values.len()]);
+                    let nothing = vec![Complex::default(); self.places.len()];
+                    let found = self.solve(&mut factor, &nothing);
                     return Ok((factor, found));
                 }
                 Err(LinalgError::NotPositiveDefinite { row }) => self.give_up(row)?,
@@ -210,18 +225,35 @@ impl<'a> Problem<'a> {
             return Err(LinalgError::NotPositiveDefinite { row });
         }
         self.usable[self.vertex_patches[row] as usize] = false;
+        self.find_unknown();
         Ok(())
     }
 
+    /// Half the cotangents opposite each edge, summed over its faces in use.
+    fn edge_weights(&self) -> Vec<f64> {
+        let mesh = &self.opened.mesh;
+        let mut weights = vec![0.0; mesh.edge_count()];
+        for f in mesh.faces().filter(|f| self.is_used(*f)) {
+            let cotangents = self.geometry.corner_cotangents[f.index()];
+            for (i, h) in mesh.face_halfedges(f).into_iter().enumerate() {
+                weights[h.edge().index()] += 0.5 * cotangents[(i + 2) % 3];
+            }
+        }
+        weights
+    }
+
     fn laplacian(&self) -> (Pattern, Vec<f64>) {
-        let n = self.places.len();
-        let (mut pairs, mut weights, mut diagonal) = (Vec::new(), Vec::new(), vec![0.0; n]);
-        for (_, _, [a, b], cotangent) in self.sides() {
-            diagonal[a.index()] += 0.5 * cotangent;
-            diagonal[b.index()] += 0.5 * cotangent;
+        let (mesh, n) = (&self.opened.mesh, self.places.len());
+        let mut pairs = Vec::with_capacity(mesh.edge_count());
+        let mut weights = Vec::with_capacity(mesh.edge_count());
+        let mut diagonal = vec![0.0; n];
+        for (e, weight) in mesh.edges().zip(self.edge_weights()) {
+            let [a, b] = mesh.edge_vertices(e);
+            diagonal[a.index()] += weight;
+            diagonal[b.index()] += weight;
             if self.is_unknown(a) && self.is_unknown(b) {
                 pairs.push([a.0, b.0]);
-                weights.push(0.5 * cotangent);
+                weights.push(weight);
             }
         }
         let (pattern, slots) = Pattern::new(n, &pairs);
@@ -230,8 +262,7 @@ impl<'a> Problem<'a> {
             values[slot as usize] -= weight;
         }
         for (v, weight) in diagonal.into_iter().enumerate() {
-            let unknown = self.is_unknown(VertexId::from(v));
-            values[pattern.diagonal(v)] = if unknown { weight } else { 1.0 };
+            values[pattern.diagonal(v)] = if self.unknown[v] { weight } else { 1.0 };
         }
         (pattern, values)
     }
@@ -240,7 +271,7 @@ impl<'a> Problem<'a> {
     fn solve(&self, factor: &mut Factor, loads: &[Complex<f64>]) -> Vec<Complex<f64>> {
         let n = self.places.len();
         let mut rhs = self.places.clone();
-        for v in (0..n).filter(|&v| self.is_unknown(VertexId::from(v))) {
+        for v in (0..n).filter(|&v| self.unknown[v]) {
             rhs[v] = loads[v];
         }
         for (_, _, [a, b], cotangent) in self.sides() {
@@ -264,18 +295,19 @@ impl<'a> Problem<'a> {
     ) -> Vec<Complex<f64>> {
         let mesh = &self.opened.mesh;
         let mut x = start.to_vec();
+        let rests: Vec<[Complex<f64>; 3]> = mesh.faces().map(|f| self.rest(f)).collect();
         for _ in 0..steps {
             let mut fits = vec![Complex::new(0.0, 0.0); mesh.face_count()];
             for (f, i, [a, b], cotangent) in self.sides() {
                 let image = x[b.index()] - x[a.index()];
-                fits[f.index()] += image * self.rest_side(f, i).conj() * cotangent;
+                fits[f.index()] += image * rests[f.index()][i].conj() * cotangent;
             }
             let mut loads = vec![Complex::default(); x.len()];
             for (f, i, [a, b], cotangent) in self.sides() {
                 let fit = fits[f.index()];
                 // A face that has shrunk to a point fits any way round.
                 let turn = if fit.norm() > 0.0 { fit / fit.norm() } else { Complex::new(1.0, 0.0) };
-                let pull = turn * self.rest_side(f, i) * (0.5 * cotangent);
+                let pull = turn * rests[f.index()][i] * (0.5 * cotangent);
                 loads[a.index()] -= pull;
                 loads[b.index()] += pull;
             }
@@ -284,13 +316,13 @@ impl<'a> Problem<'a> {
         x
     }
 
-    /// Side `i` of a face in the plane, its first side along the x axis.
-    fn rest_side(&self, f: FaceId, i: usize) -> Complex<f64> {
-        let side =
-            |k: usize| self.geometry.edge_length(self.opened.mesh.face_halfedges(f)[k].edge());
+    /// Sides of a face in the plane, its first along the x axis.
+    fn rest(&self, f: FaceId) -> [Complex<f64>; 3] {
+        let [first, _, third] =
+            self.opened.mesh.face_halfedges(f).map(|h| self.geometry.edge_length(h.edge()));
         let angle = self.geometry.corner_angles[f.index()][0];
-        let (first, third) = (Complex::new(side(0), 0.0), -Complex::from_polar(side(2), angle));
-        [first, -third - first, third][i]
+        let (first, third) = (Complex::new(first, 0.0), -Complex::from_polar(third, angle));
+        [first, -third - first, third]
     }
 
     /// Rows of means: for each unknown vertex its neighbours and their weights, which sum to 1.
@@ -320,6 +352,7 @@ impl<'a> Problem<'a> {
     fn mean_value(&mut self, wanted: &[bool]) -> Result<Vec<Complex<f64>>, LinalgError> {
         let before = self.usable.clone();
         self.usable = self.usable.iter().zip(wanted).map(|(u, w)| *u && *w).collect();
+        self.find_unknown();
         let n = self.places.len();
         let (rows, mut factor) = loop {
             let rows = self.mean_value_rows();
@@ -331,7 +364,7 @@ impl<'a> Problem<'a> {
             }
         };
         let mut x = self.places.clone();
-        let unknown: Vec<usize> = (0..n).filter(|&v| self.is_unknown(VertexId::from(v))).collect();
+        let unknown: Vec<usize> = (0..n).filter(|&v| self.unknown[v]).collect();
         unknown.iter().for_each(|&v| x[v] = Complex::default());
         for _ in 0..=CORRECTIONS {
             let mut rhs = vec![0.0; 2 * n];
@@ -359,6 +392,7 @@ impl<'a> Problem<'a> {
             }
         }
         self.usable = before;
+        self.find_unknown();
         Ok(x)
     }
 
@@ -367,7 +401,7 @@ impl<'a> Problem<'a> {
         let n = rows.len();
         let (mut pairs, mut products) = (Vec::new(), Vec::new());
         let mut diagonal: Vec<f64> =
-            (0..n).map(|v| f64::from(u8::from(!self.is_unknown(VertexId::from(v))))).collect();
+            self.unknown.iter().map(|unknown| f64::from(u8::from(!unknown))).collect();
         for (v, row) in rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
             let mut entries = vec![(v, 1.0)];
             let inside = row.iter().filter(|r| self.is_unknown(VertexId::from(r.0)));

@@ -27,6 +27,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
+use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -171,16 +172,37 @@ pub struct Analysis {
 impl Analysis {
     /// Analyses a pattern.
     ///
-    /// **Costs** about as much as one numeric factorisation.
+    /// **Costs** about as much as one numeric factorisation, most of it for the ordering.
     pub fn new(pattern: Pattern) -> Result<Self, LinalgError> {
+        Self::with(pattern, SymmetricOrdering::Amd)
+    }
+
+    /// Analyses a pattern in a known order, such as that of a pattern with nearly the same entries: any order is right, and that of
+    /// a pattern far from this one makes a factor with many entries.
+    pub fn ordered(pattern: Pattern, order: &Elimination) -> Result<Self, LinalgError> {
+        let [rows, places] = &*order.arrays;
+        let order = PermRef::new_checked(rows, places, pattern.size);
+        Self::with(pattern, SymmetricOrdering::Custom(order))
+    }
+
+    fn with(pattern: Pattern, order: SymmetricOrdering<'_, u32>) -> Result<Self, LinalgError> {
         let symbolic = factorize_symbolic_cholesky(
             pattern.symbolic(),
             Side::Lower,
-            SymmetricOrdering::Amd,
+            order,
             CholeskySymbolicParams::default(),
         )
         .map_err(|_| LinalgError::OutOfMemory { size: pattern.size })?;
         Ok(Self { pattern, symbolic, factorisations: AtomicUsize::new(0) })
+    }
+
+    /// The order of its rows.
+    pub fn order(&self) -> Elimination {
+        let arrays = match self.symbolic.perm() {
+            Some(perm) => [perm.arrays().0.to_vec(), perm.arrays().1.to_vec()],
+            None => [0, 1].map(|_| (0..self.pattern.size as u32).collect()),
+        };
+        Elimination { arrays: Arc::new(arrays) }
     }
 
     /// The analysed pattern.
@@ -197,6 +219,13 @@ impl Analysis {
     pub fn factorisation_count(&self) -> usize {
         self.factorisations.load(Ordering::Relaxed)
     }
+}
+
+/// In which order rows are eliminated.
+#[derive(Clone, Debug)]
+pub struct Elimination {
+    /// The row that comes at each place, and the place of each row.
+    arrays: Arc<[Vec<u32>; 2]>,
 }
 
 /// A numeric Cholesky factor and the memory to compute it again and again.

@@ -33,22 +33,38 @@ const SERIES: [f64; 27] = [
     0.0006734006734006734,
 ];
 
-/// Л(t) = −∫₀ᵗ ln |2 sin s| ds: odd, of period π.
+/// Л at each of three angles, Л(t) = −∫₀ᵗ ln |2 sin s| ds: odd, of period π. Their sum is the volume of an ideal tetrahedron.
 ///
 /// Л(t) = t (1 − ln 2t + Σ ζ(2k) / (k (2k + 1)) (t / π)²ᵏ) on (0, π / 2]. **Gives** all but the last bit.
-pub(super) fn lobachevsky(t: f64) -> f64 {
-    let t = t - PI * (t / PI).round();
-    if t == 0.0 {
-        return 0.0;
+pub(super) fn lobachevsky(angles: [f64; 3]) -> [f64; 3] {
+    let reduced = angles.map(|t| t - PI * (t / PI).round());
+    let squares = reduced.map(|t| (t / PI) * (t / PI));
+    // Odd and even terms of all three side by side: sums that wait for each other are what this costs.
+    let (mut odd, mut even) = ([SERIES[26]; 3], [0.0; 3]);
+    for k in (0..13).rev() {
+        for i in 0..3 {
+            let fourth = squares[i] * squares[i];
+            odd[i] = SERIES[2 * k] + fourth * odd[i];
+            even[i] = SERIES[2 * k + 1] + fourth * even[i];
+        }
     }
-    let square = (t / PI) * (t / PI);
-    let sum = SERIES.iter().rev().fold(0.0, |sum, c| (sum + c) * square);
-    t * (1.0 - (2.0 * t.abs()).ln() + sum)
+    [0, 1, 2].map(|i| {
+        let sum = squares[i] * (odd[i] + squares[i] * even[i]);
+        if reduced[i] == 0.0 {
+            0.0
+        } else {
+            reduced[i] * (1.0 - (2.0 * reduced[i].abs()).ln() + sum)
+        }
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn lobachevsky(t: f64) -> f64 {
+        super::lobachevsky([t, 0.0, 1.0])[0]
+    }
 
     /// ∫₀ᵗ ln |2 sin s| ds with s = w², which takes the edge off the singularity, by Gauss's five points on many pieces.
     fn by_quadrature(t: f64) -> f64 {

@@ -7,9 +7,9 @@
 
 use std::sync::Arc;
 
-use super::triangle::Triangle;
+use super::triangle::{Triangle, face_energy};
 use super::triangulation::{Keeps, NONE, Triangulation};
-use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
+use crate::linalg::{Analysis, Elimination, Factor, LinalgError, Pattern};
 
 /// Largest change of a log scale factor in one step. Without it thin ellipsoids (30 : 1) send v out of the range of numbers.
 const LONGEST_STEP: f64 = 5.0;
@@ -35,9 +35,15 @@ pub(super) enum Progress {
     Failed,
 }
 
+/// Once one edge in so many has flipped, rows are put into a new order. A few flips hardly add to the factor, and an order costs
+/// half a factorisation or more.
+const EDGES_PER_FLIP: usize = 20;
+
 /// Angles of a state.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Evaluation {
+    /// Angles of every face, opposite its sides.
+    pub angles: Vec<[f64; 3]>,
     /// Cotangent of the angle opposite every halfedge; 0 outside.
     pub cotangents: Vec<f64>,
     /// Θ* − Θ at vertices whose v is sought, 0 elsewhere.
@@ -91,6 +97,8 @@ pub(super) struct Solver {
     pub analyses: usize,
     /// Number of flips at the last of them.
     analysed_at: Option<usize>,
+    /// The order of the rows, and the number of flips when it was found. Clones go on with it.
+    order: Option<(usize, Elimination)>,
     /// Steps of the line search that were rejected.
     pub rejected: usize,
     tolerance: f64,
@@ -148,13 +156,14 @@ impl Solver {
             factorisations: 0,
             analyses: 0,
             analysed_at: None,
+            order: None,
             rejected: 0,
             tolerance,
             most_steps,
             cache: Cache(None),
         };
         solver.evaluation = solver.evaluate(&solver.v);
-        solver.energy = solver.energy_at(&solver.v);
+        solver.energy = solver.energy(&solver.evaluation, &solver.v);
         solver.judge();
         if !settled {
             solver.progress = Progress::Failed;
@@ -162,10 +171,10 @@ impl Solver {
         solver
     }
 
-    /// The log lengths of a face's sides, scaled.
-    fn face_lengths(&self, x: &[f64], f: usize) -> ([u32; 3], [f64; 3]) {
+    /// A face with these lengths of edges, and its sides.
+    fn triangle(&self, lengths: &[f64], f: usize) -> ([u32; 3], Triangle) {
         let sides = self.triangulation.sides(f);
-        (sides, sides.map(|h| x[(h >> 1) as usize]))
+        (sides, Triangle::of_lengths(sides.map(|h| lengths[(h >> 1) as usize])))
     }
 
     /// Angle sums and cotangents at v in the triangulation as it stands.
@@ -174,14 +183,15 @@ impl Solver {
     /// charts that do not close by 1e-12. On a surface of free size what is left over goes to all vertices alike.
     pub fn evaluate(&self, v: &[f64]) -> Evaluation {
         let tri = &self.triangulation;
-        let x = tri.scaled(v);
+        let lengths = tri.scaled_lengths(v);
+        let mut angles = Vec::with_capacity(tri.face_count());
         let mut cotangents = vec![0.0; tri.tail.len()];
         let mut gradient = self.targets.clone();
         let mut lost: Vec<f64> =
             self.is_rim.iter().map(|r| if *r { 0.5 * TAU_REST } else { TAU_REST }).collect();
         for f in 0..tri.face_count() {
-            let (sides, lengths) = self.face_lengths(&x, f);
-            let triangle = Triangle::new(lengths);
+            let (sides, triangle) = self.triangle(&lengths, f);
+            angles.push(triangle.angles);
             for i in 0..3 {
                 cotangents[sides[i] as usize] = triangle.cotangents[i];
                 // Opposite side i lies the tail of the side before.
@@ -212,16 +222,19 @@ impl Solver {
         if gradient.iter().any(|g| g.is_nan()) {
             error = f64::NAN;
         }
-        Evaluation { cotangents, gradient, error }
+        Evaluation { angles, cotangents, gradient, error }
     }
 
-    /// E at v in the triangulation as it stands.
-    pub fn energy_at(&self, v: &[f64]) -> f64 {
+    /// E at v, whose angles are at hand, in the triangulation as it stands.
+    pub fn energy(&self, evaluation: &Evaluation, v: &[f64]) -> f64 {
         let x = self.triangulation.scaled(v);
-        let faces: f64 = (0..self.triangulation.face_count())
-            .map(|f| {
-                let (_, lengths) = self.face_lengths(&x, f);
-                Triangle::new(lengths).energy(lengths)
+        let faces: f64 = evaluation
+            .angles
+            .iter()
+            .enumerate()
+            .map(|(f, angles)| {
+                let sides = self.triangulation.sides(f);
+                face_energy(*angles, sides.map(|h| x[(h >> 1) as usize]))
             })
             .sum();
         // Given scale factors do not move: their share is a constant.
@@ -232,25 +245,22 @@ impl Solver {
     /// Faces on the boundary whose triangle inequality fails, by the edges there.
     pub fn degenerate_boundary_edges(&self) -> Vec<usize> {
         let tri = &self.triangulation;
-        let x = tri.scaled(&self.v);
         let mut edges = Vec::new();
-        for f in 0..tri.face_count() {
-            let (sides, lengths) = self.face_lengths(&x, f);
-            if Triangle::new(lengths).is_degenerate {
-                edges.extend(
-                    sides.iter().map(|h| (h >> 1) as usize).filter(|&e| tri.is_boundary(e)),
-                );
-            }
+        for f in (0..tri.face_count()).filter(|&f| self.is_degenerate(f)) {
+            let sides = tri.sides(f).map(|h| (h >> 1) as usize);
+            edges.extend(sides.into_iter().filter(|&e| tri.is_boundary(e)));
         }
         edges
     }
 
     /// Number of faces whose triangle inequality fails.
     pub fn degenerate_faces(&self) -> usize {
-        let x = self.triangulation.scaled(&self.v);
-        (0..self.triangulation.face_count())
-            .filter(|&f| Triangle::new(self.face_lengths(&x, f).1).is_degenerate)
-            .count()
+        (0..self.triangulation.face_count()).filter(|&f| self.is_degenerate(f)).count()
+    }
+
+    /// Whether the triangle inequality of a face fails: only then are two of its angles 0.
+    fn is_degenerate(&self, f: usize) -> bool {
+        self.evaluation.angles[f].iter().any(|&angle| angle <= 0.0)
     }
 
     fn judge(&mut self) {
@@ -291,19 +301,19 @@ impl Solver {
             let settled = self.triangulation.make_delaunay(&trial, Keeps::Conformal);
             let evaluation = self.evaluate(&trial);
             let after = dot(&evaluation.gradient, &direction);
-            let energy = self.energy_at(&trial);
+            let energy = || self.energy(&evaluation, &trial);
             let accepted = settled
                 && evaluation.error.is_finite()
                 && (after <= 0.0
                     || evaluation.error < self.tolerance
                     || (evaluation.error < 0.5 * start && evaluation.error < 1e-6)
-                    || (after <= -0.9 * before && energy <= self.energy + 1e-4 * length * before));
+                    || (after <= -0.9 * before
+                        && energy() <= self.energy + 1e-4 * length * before));
             if accepted {
                 // So near the end a step gains digits by the dozen; one that gains none meets rounding.
                 let is_rounding = start < ACCEPTABLE && evaluation.error > 0.5 * start;
                 self.v = trial;
                 self.evaluation = evaluation;
-                self.energy = energy;
                 self.steps += 1;
                 self.judge();
                 if is_rounding {
@@ -312,6 +322,7 @@ impl Solver {
                 if self.progress == Progress::Done {
                     self.polish();
                 }
+                self.energy = self.energy(&self.evaluation, &self.v);
                 return Ok(());
             }
             self.rejected += 1;
@@ -352,7 +363,6 @@ impl Solver {
             self.v = trial;
             self.evaluation = evaluation;
         }
-        self.energy = self.energy_at(&self.v);
     }
 
     /// −H⁻¹ g, refined once.
@@ -368,7 +378,7 @@ impl Solver {
                 let (pattern, slots) = Pattern::new(self.row_count, &ends);
                 // A clone analyses again what counts once.
                 self.analyses += usize::from(self.analysed_at.replace(flips) != Some(flips));
-                (Arc::new(Analysis::new(pattern)?), slots, None)
+                (Arc::new(self.analyse(pattern, flips)?), slots, None)
             }
         };
         let pattern = analysis.pattern();
@@ -394,6 +404,19 @@ impl Solver {
             row => d[row as usize] + residual[row as usize],
         };
         Ok(self.rows.iter().map(of).collect())
+    }
+
+    /// Analyses a pattern in the order that there is, or in a new one where many edges have flipped since.
+    fn analyse(&mut self, pattern: Pattern, flips: usize) -> Result<Analysis, LinalgError> {
+        let few = self.triangulation.edge_count() / EDGES_PER_FLIP;
+        if let Some((before, order)) = &self.order
+            && flips - before <= few
+        {
+            return Analysis::ordered(pattern, order);
+        }
+        let analysis = Analysis::new(pattern)?;
+        self.order = Some((flips, analysis.order()));
+        Ok(analysis)
     }
 
     /// Edges with both ends sought, by their rows.

@@ -4,56 +4,80 @@ use std::f64::consts::PI;
 
 use super::lobachevsky::lobachevsky;
 
-/// Angles and cotangents of a triangle; entry `i` is at the corner opposite side `i`.
+/// Angles and cotangents of a triangle; entry `i` is at the corner opposite side `i`. Where the triangle inequality fails, π lies
+/// opposite the longest side, and the other angles and all cotangents are 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangle {
     pub angles: [f64; 3],
     pub cotangents: [f64; 3],
-    /// Whether the triangle inequality fails: then π lies opposite the longest side, and cotangents are 0.
-    pub is_degenerate: bool,
 }
 
 impl Triangle {
-    /// The triangle with these logarithms of side lengths.
-    ///
-    /// tan of half the angle opposite side e is √(g₀ g₁ g₂ / s) / (s − e), g the differences s − e of the semiperimeter,
-    /// with Kahan's parentheses. NaN goes in and out.
+    /// The triangle with these logarithms of side lengths. NaN goes in and out.
     pub fn new(x: [f64; 3]) -> Self {
         let largest = x[0].max(x[1]).max(x[2]);
-        let lengths = x.map(|x| (x - largest).exp());
-        let mut order = [0, 1, 2];
-        order.sort_unstable_by(|&a, &b| lengths[b].total_cmp(&lengths[a]));
-        let [high, middle, low] = order.map(|i| lengths[i]);
+        Self::of_lengths(x.map(|x| (x - largest).exp()))
+    }
+
+    /// The triangle with these side lengths, finite and positive; what is none of these comes out as NaN.
+    ///
+    /// tan of half the angle opposite side e is √(g₀ g₁ g₂ / s) / (s − e), g the differences s − e of the semiperimeter,
+    /// with Kahan's parentheses.
+    #[inline]
+    pub fn of_lengths(lengths: [f64; 3]) -> Self {
+        let [a, b, c] = lengths;
+        // Shapes have no size: products of lengths stay within the range of numbers.
+        let unit = 1.0 / a.max(b).max(c);
+        let [a, b, c] = [a * unit, b * unit, c * unit];
+        let high = a.max(b).max(c);
+        let low = a.min(b).min(c);
+        let middle = a.min(b).max(a.max(b).min(c));
         let s = 0.5 * (high + (middle + low));
+        // Minima and maxima pass over what is no number; sums do not.
+        if !(a + b + c <= 3.0) {
+            return Self { angles: [f64::NAN; 3], cotangents: [f64::NAN; 3] };
+        }
         let g = [
             0.5 * (low - (high - middle)),
             0.5 * (low + (high - middle)),
             0.5 * (high + (middle - low)),
         ];
-        let mut triangle =
-            Self { angles: [0.0; 3], cotangents: [0.0; 3], is_degenerate: g[0] <= 0.0 };
-        if triangle.is_degenerate {
-            triangle.angles[order[0]] = PI;
+        let mut triangle = Self { angles: [0.0; 3], cotangents: [0.0; 3] };
+        if g[0] <= 0.0 {
+            triangle.angles[if a >= high {
+                0
+            } else if b >= high {
+                1
+            } else {
+                2
+            }] = PI;
             return triangle;
         }
         let radius = (g[0] * g[1] * g[2] / s).sqrt();
-        for (i, g) in order.into_iter().zip(g) {
-            let tangent = radius / g;
-            triangle.angles[i] = 2.0 * tangent.atan();
-            triangle.cotangents[i] = (1.0 - tangent) * (1.0 + tangent) / (2.0 * tangent);
+        let tangents = g.map(|g| radius / g);
+        // All three by themselves: the rest of π, whose f64 is too small, would make sums of thousands drift.
+        let angles = tangents.map(|t| 2.0 * t.atan());
+        let cotangents = tangents.map(|t| (1.0 - t) * (1.0 + t) / (2.0 * t));
+        // No sorting: sides of one length have one angle.
+        for (i, side) in [a, b, c].into_iter().enumerate() {
+            let rank = if side >= high {
+                0
+            } else if side <= low {
+                2
+            } else {
+                1
+            };
+            triangle.angles[i] = angles[rank];
+            triangle.cotangents[i] = cotangents[rank];
         }
         triangle
     }
+}
 
-    /// The triangle's share of the energy: 2 Σ (θ x + Л(θ)) − π Σ x, linear where the triangle is degenerate.
-    pub fn energy(&self, x: [f64; 3]) -> f64 {
-        let volume: f64 = match self.is_degenerate {
-            true => 0.0,
-            false => self.angles.iter().map(|&t| lobachevsky(t)).sum(),
-        };
-        let turns: f64 = (0..3).map(|i| (2.0 * self.angles[i] - PI) * x[i]).sum();
-        turns + 2.0 * volume
-    }
+/// A triangle's share of the energy by its angles and log sides: 2 Σ (θ x + Л(θ)) − π Σ x, linear where the triangle is degenerate.
+pub(super) fn face_energy(angles: [f64; 3], x: [f64; 3]) -> f64 {
+    let turns: f64 = (0..3).map(|i| (2.0 * angles[i] - PI) * x[i]).sum();
+    turns + 2.0 * lobachevsky(angles).iter().sum::<f64>()
 }
 
 #[cfg(test)]
@@ -73,7 +97,6 @@ mod tests {
         assert!((needle.angles[2] / 1e-9 - 1.0).abs() < 1e-14);
         assert!((needle.cotangents[2] * 1e-9 - 1.0).abs() < 1e-14);
         let cap = of([1.0, 1.0, 2.5]);
-        assert!(cap.is_degenerate);
         assert_eq!(cap.angles.map(f64::to_bits), [0.0, 0.0, PI].map(f64::to_bits));
     }
 
@@ -81,7 +104,7 @@ mod tests {
     fn the_energy_of_a_triangle_has_the_slope_of_its_angles() {
         let h = 1e-6;
         for x in [[0.1, -0.3, 0.2], [0.0, 0.0, -3.0], [0.0, 0.0, 1.0], [2.0, 1.9, 2.4]] {
-            let at = |x| Triangle::new(x).energy(x);
+            let at = |x| face_energy(Triangle::new(x).angles, x);
             for i in 0..3 {
                 let (mut above, mut below) = (x, x);
                 above[i] += h;

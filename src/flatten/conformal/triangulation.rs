@@ -93,6 +93,13 @@ impl Triangulation {
             .collect()
     }
 
+    /// Lengths after scaling. Steps are bounded, and so are logarithms: what goes beyond the range of numbers anyway makes NaN of its triangles.
+    pub fn scaled_lengths(&self, v: &[f64]) -> Vec<f64> {
+        let mut lengths = self.scaled(v);
+        lengths.iter_mut().for_each(|x| *x = x.exp());
+        lengths
+    }
+
     /// Exchanges the edge of h: i → j for the one from the corner on its left to the corner on its right: h becomes k → l.
     fn flip(&mut self, h: u32) {
         let t = h ^ 1;
@@ -137,22 +144,21 @@ impl Triangulation {
     ///
     /// The criterion, cos + cos ≥ 0 of the angles opposite, needs no triangle inequality. **Gives** whether it came to an end.
     pub fn make_delaunay(&mut self, v: &[f64], keeps: Keeps) -> bool {
-        let mut x = self.scaled(v);
+        let mut lengths = self.scaled_lengths(v);
         let mut is_queued = vec![false; self.edge_count()];
-        let mut queue: Vec<u32> = Vec::new();
+        // First in, first out: a stack would make long detours across slivers.
+        let mut queue = std::collections::VecDeque::new();
         for e in 0..self.edge_count() {
-            if self.wants_flip(&x, e) {
+            if self.wants_flip(&lengths, e) {
                 is_queued[e] = true;
-                queue.push(e as u32);
+                queue.push_back(e as u32);
             }
         }
-        // First in, first out: a stack would make long detours across slivers.
-        let mut queue = std::collections::VecDeque::from(queue);
         let mut left = FLIPS_PER_EDGE * self.edge_count();
         while let Some(e) = queue.pop_front() {
             let e = e as usize;
             is_queued[e] = false;
-            if !self.wants_flip(&x, e) {
+            if !self.wants_flip(&lengths, e) {
                 continue;
             }
             if left == 0 {
@@ -162,14 +168,18 @@ impl Triangulation {
             let h = 2 * e as u32;
             let t = h ^ 1;
             let around = [self.next(h), self.prev(h), self.next(t), self.prev(t)];
-            let [a, b, c, d] = around.map(|h| x[(h >> 1) as usize]);
+            let x = |h: u32| {
+                let [i, j] = [self.tail[h as usize], self.tip(h)];
+                self.x[(h >> 1) as usize] + 0.5 * (v[i as usize] + v[j as usize])
+            };
+            let [a, b, c, d] = around.map(x);
             let scaled = match keeps {
-                Keeps::Conformal => log_add(a + c, b + d) - x[e],
-                Keeps::Surface => unfolded(x[e], [a, b, c, d]),
+                Keeps::Conformal => log_add(a + c, b + d) - x(h),
+                Keeps::Surface => unfolded(x(h), [a, b, c, d]),
             };
             self.flip(h);
             let [k, l] = [self.tail[h as usize], self.tail[t as usize]];
-            x[e] = scaled;
+            lengths[e] = scaled.exp();
             self.x[e] = scaled - 0.5 * (v[k as usize] + v[l as usize]);
             self.flipped.push(h);
             self.surface_flips += usize::from(keeps == Keeps::Surface);
@@ -183,14 +193,16 @@ impl Triangulation {
         true
     }
 
-    fn wants_flip(&self, x: &[f64], e: usize) -> bool {
+    fn wants_flip(&self, lengths: &[f64], e: usize) -> bool {
         if !self.is_flippable(e) {
             return false;
         }
+        let c = lengths[e];
         let cosine = |h: u32| {
-            let a = x[(self.next(h) >> 1) as usize];
-            let b = x[(self.prev(h) >> 1) as usize];
-            (a - b).cosh() - 0.5 * (2.0 * x[e] - a - b).exp()
+            let a = lengths[(self.next(h) >> 1) as usize];
+            let b = lengths[(self.prev(h) >> 1) as usize];
+            // (a² + b² − c²) / 2ab, in quotients that stay within the range of numbers.
+            1.0 + 0.5 * (((a - b) - c) / a) * (((a - b) + c) / b)
         };
         let h = 2 * e as u32;
         // Not `!(≥)`: what is no number does not flip.

@@ -62,6 +62,8 @@ pub struct BoundarySolver {
     theta: Vec<f64>,
     trial: Vec<f64>,
     step: Vec<f64>,
+    /// Sine and cosine of the direction of every side that belongs to a loop, at the angles that constraints were found for last.
+    directions: Vec<[f64; 2]>,
     /// Values of the constraints.
     values: Vec<f64>,
     /// The rows of the loops, two each, one after the other.
@@ -108,6 +110,7 @@ impl BoundarySolver {
             theta: problem.angles.clone(),
             trial: vec![0.0; n],
             step: vec![0.0; n + 1],
+            directions: vec![[0.0; 2]; n],
             values: vec![0.0; rows],
             trig: vec![0.0; 2 * problem.loop_count * n],
             prefix: vec![0.0; n + 1],
@@ -225,13 +228,13 @@ impl BoundarySolver {
         let n = self.theta.len();
         self.trial.copy_from_slice(&self.theta);
         self.constraints();
-        // From the end: suffix sums. Directions are those that `constraints` left in `trial`.
+        // From the end: suffix sums.
         for p in 0..(self.rows - self.linear) / 2 {
             let (mut sine, mut cosine) = (0.0, 0.0);
             let (first, second) = self.trig[2 * p * n..2 * (p + 1) * n].split_at_mut(n);
             for k in (0..n).rev() {
                 if self.loops[k] as usize == p {
-                    let (sin, cos) = self.trial[k].sin_cos();
+                    let [sin, cos] = self.directions[k];
                     sine += self.lengths[k] * sin;
                     cosine += self.lengths[k] * cos;
                 }
@@ -241,27 +244,26 @@ impl BoundarySolver {
         }
     }
 
-    /// The constraints at the angles in `trial`, which become directions there.
+    /// The constraints at the angles in `trial`.
     fn constraints(&mut self) {
         let n = self.trial.len();
         let loop_count = (self.rows - self.linear) / 2;
         self.values.fill(0.0);
-        let (mut phi, mut sum) = (0.0, 0.0);
+        // Turning: the direction of each side, and what virtual cuts and the whole walk are told by.
+        let mut phi = 0.0;
         self.prefix[0] = 0.0;
         for k in 0..n {
             phi += PI - self.trial[k];
-            // Turning: what virtual cuts and the whole walk are told by.
-            sum += PI - self.trial[k];
-            self.prefix[k + 1] = sum;
-            self.trial[k] = phi;
+            self.prefix[k + 1] = phi;
             let of = self.loops[k] as usize;
             if of < loop_count {
                 let (sin, cos) = phi.sin_cos();
+                self.directions[k] = [sin, cos];
                 self.values[self.linear + 2 * of] += self.lengths[k] * cos;
                 self.values[self.linear + 2 * of + 1] += self.lengths[k] * sin;
             }
         }
-        self.values[0] = 2.0 * PI - sum;
+        self.values[0] = 2.0 * PI - phi;
         for (value, &[a, b]) in self.values[1..].iter_mut().zip(&self.cuts) {
             *value = -PI - (self.prefix[b as usize + 1] - self.prefix[a as usize + 1]);
         }

@@ -33,14 +33,46 @@ pub struct PatchMeasures {
     pub flipped: usize,
 }
 
+/// What all patches of a surface have in common.
+#[derive(Clone, Debug)]
+pub struct Stiffness {
+    /// Half the cotangents opposite each edge, summed.
+    edges: Vec<f64>,
+    /// Each side of each face laid into the plane, the first along the x axis, times half the cotangent opposite.
+    pulls: Vec<[Complex<f64>; 3]>,
+}
+
+impl Stiffness {
+    /// **Costs** O(F).
+    pub fn new(mesh: &Mesh, geometry: &Geometry) -> Self {
+        let mut edges = vec![0.0; mesh.edge_count()];
+        let mut pulls = Vec::with_capacity(mesh.face_count());
+        for f in mesh.faces() {
+            let sides = mesh.face_halfedges(f);
+            let weights = [2, 0, 1].map(|i| 0.5 * geometry.corner_cotangents[f.index()][i]);
+            for (h, weight) in sides.iter().zip(weights) {
+                edges[h.edge().index()] += weight;
+            }
+            let [first, _, third] = sides.map(|h| geometry.edge_length(h.edge()));
+            let angle = geometry.corner_angles[f.index()][0];
+            let (first, third) = (Complex::new(first, 0.0), -Complex::from_polar(third, angle));
+            let rest = [first, -third - first, third];
+            pulls.push([0, 1, 2].map(|i| rest[i] * weights[i]));
+        }
+        Self { edges, pulls }
+    }
+}
+
 /// The system of one patch: rows are its vertices off the rim.
 pub struct InteriorSystem<'a> {
     patch: &'a Patch,
-    mesh: &'a Mesh,
     geometry: &'a Geometry,
+    stiffness: &'a Stiffness,
     /// Row of each vertex.
     rows: Vec<u32>,
     count: usize,
+    /// Rows that are joined to the rim, the vertex there, and the weight.
+    at_rim: Vec<(u32, u32, f64)>,
     factor: Option<Factor>,
 }
 
@@ -50,6 +82,7 @@ impl<'a> InteriorSystem<'a> {
         patch: &'a Patch,
         mesh: &'a Mesh,
         geometry: &'a Geometry,
+        stiffness: &'a Stiffness,
     ) -> Result<Self, LinalgError> {
         let mut rows = vec![NONE; patch.vertices.len()];
         let mut count = 0;
@@ -59,23 +92,32 @@ impl<'a> InteriorSystem<'a> {
                 count += 1;
             }
         }
-        let mut system = Self { patch, mesh, geometry, rows, count, factor: None };
+        let mut at_rim = Vec::new();
+        let mut factor = None;
         if count > 0 {
-            let mut pairs = Vec::with_capacity(3 * patch.faces.len());
-            let mut weights = Vec::with_capacity(3 * patch.faces.len());
+            let mut pairs = Vec::with_capacity(3 * count);
+            let mut weights = Vec::with_capacity(3 * count);
             let mut diagonal = vec![0.0; count];
-            system.for_sides(|_, _, [a, b], weight| {
-                let [i, j] = [a, b].map(|v| system.rows[v]);
-                for row in [i, j] {
-                    if row != NONE {
-                        diagonal[row as usize] += weight;
+            for (corners, &f) in patch.corners.iter().zip(&patch.faces) {
+                for (i, h) in mesh.face_halfedges(f).into_iter().enumerate() {
+                    let (from, to) = (corners[i], corners[(i + 1) % 3]);
+                    let row = rows[from as usize];
+                    // Off the rim both sides of every edge lie in the patch: each is met from both ends.
+                    if row == NONE {
+                        continue;
+                    }
+                    let weight = stiffness.edges[h.edge().index()];
+                    diagonal[row as usize] += weight;
+                    match rows[to as usize] {
+                        NONE => at_rim.push((row, to, weight)),
+                        other if row < other => {
+                            pairs.push([row, other]);
+                            weights.push(weight);
+                        }
+                        _ => {}
                     }
                 }
-                if i != NONE && j != NONE {
-                    pairs.push([i, j]);
-                    weights.push(weight);
-                }
-            });
+            }
             let (pattern, slots) = Pattern::new(count, &pairs);
             let mut values = vec![0.0; pattern.entry_count()];
             for (slot, weight) in slots.into_iter().zip(weights) {
@@ -84,106 +126,62 @@ impl<'a> InteriorSystem<'a> {
             for (row, weight) in diagonal.into_iter().enumerate() {
                 values[pattern.diagonal(row)] = weight;
             }
-            system.factor = Some(Factor::new(Arc::new(Analysis::new(pattern)?), &values)?);
+            factor = Some(Factor::new(Arc::new(Analysis::new(pattern)?), &values)?);
         }
-        Ok(system)
+        Ok(Self { patch, geometry, stiffness, rows, count, at_rim, factor })
     }
 
-    /// Calls with each side of each face: face, side, its ends, and half the cotangent opposite.
-    fn for_sides(&self, mut call: impl FnMut(usize, usize, [usize; 2], f64)) {
-        for (f, corners) in self.patch.corners.iter().enumerate() {
-            let cotangents = self.geometry.corner_cotangents[self.patch.faces[f].index()];
-            for i in 0..3 {
-                let ends = [corners[i] as usize, corners[(i + 1) % 3] as usize];
-                call(f, i, ends, 0.5 * cotangents[(i + 2) % 3]);
-            }
-        }
-    }
-
-    /// Places with the given loads; those of the rim stay.
-    fn solve(&mut self, places: &mut [Complex<f64>], loads: &[Complex<f64>]) {
+    /// Places off the rim for the given right-hand side without what the rim adds, one column for each coordinate.
+    fn solve(&mut self, places: &mut [Point2<f64>], x: &mut [f64]) {
         let n = self.count;
-        let mut x = vec![0.0; 2 * n];
-        for (&row, load) in self.rows.iter().zip(loads) {
-            if row != NONE {
-                x[row as usize] = load.re;
-                x[n + row as usize] = load.im;
-            }
+        for &(row, rim, weight) in &self.at_rim {
+            x[row as usize] += weight * places[rim as usize].x;
+            x[n + row as usize] += weight * places[rim as usize].y;
         }
-        self.for_sides(|_, _, [a, b], weight| {
-            for [inside, rim] in [[a, b], [b, a]] {
-                let row = self.rows[inside];
-                if row != NONE && self.rows[rim] == NONE {
-                    x[row as usize] += weight * places[rim].re;
-                    x[n + row as usize] += weight * places[rim].im;
-                }
-            }
-        });
         let Some(factor) = &mut self.factor else { return };
-        factor.solve(&mut x, 2);
+        factor.solve(x, 2);
         for (&row, place) in self.rows.iter().zip(places) {
             if row != NONE {
-                *place = Complex::new(x[row as usize], x[n + row as usize]);
+                *place = Point2::new(x[row as usize], x[n + row as usize]);
             }
         }
     }
 
-    /// Fills the places off the rim in: the harmonic map, then so many local/global steps towards true lengths.
+    /// Fills the places off the rim in with the harmonic map.
     ///
-    /// **Takes** a place for each vertex of the patch, of which those on the rim count. **Costs** a solve of two columns for the map and for each step.
-    pub fn fill(&mut self, places: &mut [Point2<f64>], rigid_steps: usize) {
-        let mut x: Vec<Complex<f64>> = places.iter().map(|p| Complex::new(p.x, p.y)).collect();
-        let loads = vec![Complex::default(); x.len()];
-        self.solve(&mut x, &loads);
-        for (place, z) in places.iter_mut().zip(x) {
-            *place = Point2::new(z.re, z.im);
-        }
-        self.refine(places, rigid_steps);
+    /// **Takes** a place for each vertex of the patch, of which those on the rim count. **Costs** a solve of two columns.
+    pub fn fill(&mut self, places: &mut [Point2<f64>]) {
+        let mut x = vec![0.0; 2 * self.count];
+        self.solve(places, &mut x);
     }
 
-    /// Local/global steps towards true lengths from a map that is there.
+    /// Local/global steps towards true lengths from a map that is there. **Costs** a solve of two columns for each.
     pub fn refine(&mut self, places: &mut [Point2<f64>], rigid_steps: usize) {
-        if rigid_steps == 0 {
-            return;
-        }
-        let mut x: Vec<Complex<f64>> = places.iter().map(|p| Complex::new(p.x, p.y)).collect();
-        let mut loads = vec![Complex::default(); x.len()];
-        let rests: Vec<[Complex<f64>; 3]> =
-            (0..self.patch.faces.len()).map(|f| self.rest(f)).collect();
+        let n = self.count;
+        let mut x = vec![0.0; 2 * n];
         for _ in 0..rigid_steps {
-            loads.fill(Complex::default());
-            for (f, corners) in self.patch.corners.iter().enumerate() {
-                let cotangents = self.geometry.corner_cotangents[self.patch.faces[f].index()];
-                let [a, b, c] = corners.map(|v| v as usize);
-                let images = [x[b] - x[a], x[c] - x[b], x[a] - x[c]];
-                let mut fit = Complex::new(0.0, 0.0);
-                for i in 0..3 {
-                    fit += images[i] * rests[f][i].conj() * cotangents[(i + 2) % 3];
-                }
+            x.fill(0.0);
+            for (corners, f) in self.patch.corners.iter().zip(&self.patch.faces) {
+                let pulls = self.stiffness.pulls[f.index()];
+                let [a, b, c] = corners.map(|v| places[v as usize]);
+                let images = [b - a, c - b, a - c].map(|d| Complex::new(d.x, d.y));
+                let fit: Complex<f64> = (0..3).map(|i| images[i] * pulls[i].conj()).sum();
                 // A face that has shrunk to a point fits any way round.
-                let size = fit.norm();
+                let size = fit.norm_sqr().sqrt();
                 let turn = if size > 0.0 { fit / size } else { Complex::new(1.0, 0.0) };
-                for (i, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
-                    let pull = turn * rests[f][i] * (0.5 * cotangents[(i + 2) % 3]);
-                    loads[from] -= pull;
-                    loads[to] += pull;
+                let pulls = pulls.map(|pull| turn * pull);
+                for i in 0..3 {
+                    let row = self.rows[corners[i] as usize];
+                    if row != NONE {
+                        // From the side that arrives, away from the one that leaves.
+                        let load = pulls[(i + 2) % 3] - pulls[i];
+                        x[row as usize] += load.re;
+                        x[n + row as usize] += load.im;
+                    }
                 }
             }
-            self.solve(&mut x, &loads);
+            self.solve(places, &mut x);
         }
-        for (place, z) in places.iter_mut().zip(x) {
-            *place = Point2::new(z.re, z.im);
-        }
-    }
-
-    /// Sides of a face laid into the plane, its first along the x axis.
-    fn rest(&self, f: usize) -> [Complex<f64>; 3] {
-        let face = self.patch.faces[f];
-        let [first, _, third] =
-            self.mesh.face_halfedges(face).map(|h| self.geometry.edge_length(h.edge()));
-        let angle = self.geometry.corner_angles[face.index()][0];
-        let (first, third) = (Complex::new(first, 0.0), -Complex::from_polar(third, angle));
-        [first, -third - first, third]
     }
 
     /// What a map is worth. **Costs** O(F).

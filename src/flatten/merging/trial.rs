@@ -7,7 +7,7 @@ use std::sync::Arc;
 use nalgebra::Point2;
 
 use super::params::{AreaMeasure, MergeParams};
-use crate::flatten::lpfb::interior::{InteriorSystem, PatchMeasures};
+use crate::flatten::lpfb::interior::{InteriorSystem, PatchMeasures, Stiffness};
 use crate::flatten::lpfb::patch::{Nearest, Opener, Outline, Patch};
 use crate::flatten::lpfb::solve_boundary;
 use crate::flatten::overlap::{contacts, overlapping_triangles};
@@ -145,6 +145,7 @@ pub struct Bench {
     pub mesh: Arc<Mesh>,
     pub geometry: Arc<Geometry>,
     opener: Opener,
+    stiffness: Arc<Stiffness>,
     angle_sums: Vec<f64>,
     /// Number of cut edges at each vertex.
     valences: Vec<u32>,
@@ -159,6 +160,7 @@ impl Bench {
     pub fn new(mesh: Arc<Mesh>, geometry: Arc<Geometry>) -> Self {
         Self {
             opener: Opener::new(&mesh),
+            stiffness: Arc::new(Stiffness::new(&mesh, &geometry)),
             angle_sums: angle_sums(&mesh, &geometry),
             valences: vec![0; mesh.vertex_count()],
             is_cut: vec![false; mesh.edge_count()],
@@ -267,18 +269,27 @@ impl Bench {
         if !contacts.crossings.is_empty() {
             return Err(Reject::Crossing.into());
         }
-        let mut system =
-            InteriorSystem::new(&patch, &mesh, &geometry).map_err(|_| Reject::Degenerate)?;
-        system.fill(&mut places, 0);
-        let mut measures = system.measure(&places);
-        let mut change = limits.area_of(&measures);
+        let stiffness = self.stiffness.clone();
+        let mut system = InteriorSystem::new(&patch, &mesh, &geometry, &stiffness)
+            .map_err(|_| Reject::Degenerate)?;
+        system.fill(&mut places);
         // Steps towards true lengths bring the absolute change down by a tenth or two, never by so much.
         let hope = if limits.wants_darts { DART_HOPE } else { STEPS_HOPE };
-        if limits.rigid_steps > 0 && change <= limits.area * hope {
+        let harmonic = match limits.measure {
+            // Whatever lies inside.
+            AreaMeasure::Total => None,
+            AreaMeasure::Absolute => Some(system.measure(&places)),
+        };
+        let change = harmonic.map_or(total, |measures| measures.area_absolute);
+        let is_refined = limits.rigid_steps > 0 && change <= limits.area * hope;
+        if is_refined {
             system.refine(&mut places, limits.rigid_steps);
-            measures = system.measure(&places);
-            change = limits.area_of(&measures);
         }
+        let measures = match harmonic {
+            Some(measures) if !is_refined => measures,
+            _ => system.measure(&places),
+        };
+        let change = limits.area_of(&measures);
         if !(change <= limits.area) {
             let darts = if limits.wants_darts && change <= DART_HOPE * limits.area {
                 self.darts(&patch, &places, area)
