@@ -6,6 +6,7 @@ mod pipelines;
 use self::looks::{Look, POINTED, POINTED_BEHIND, POINTED_ON_CHARTS, SEAM, STYLE_STRIDE};
 use self::pipelines::{DEPTH_FORMAT, FRAME_BYTES, Groups, Maker, Pipelines};
 use super::arrays::{self, RIBBON_STRIDE};
+use super::color::{NEUTRAL, WARNING};
 use super::cones::GLYPH_STRIDE;
 use super::layers::LayerMode;
 use super::occlusion::{SHADOW_PIXELS, SHADOW_REACH};

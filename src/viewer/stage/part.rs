@@ -1,10 +1,7 @@
 //! What a graphics device holds a copy of, and the bytes of each.
 
 use super::super::arrays::{self, NONE, RimChoice};
-use super::super::{
-    color, cones, layers,
-    occlusion::{self, Occlusion},
-};
+use super::super::{color, cones, layers, occlusion};
 use super::{Stage, View};
 
 /// Something that a graphics device holds a copy of.

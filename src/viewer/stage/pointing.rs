@@ -4,7 +4,7 @@
 
 use super::super::arrays::{self, NONE};
 use super::super::brush;
-use super::super::camera::Ray;
+use super::super::camera::{Projection, Ray};
 use super::super::cones;
 use super::super::pick::Hit;
 use super::{Part, Pick, Stage, View};
@@ -384,7 +384,7 @@ impl Stage {
         &mut self,
         view: View,
         anchor: &Anchor,
-        projection: &super::Projection,
+        projection: &Projection,
     ) -> Option<(Vec2, bool)> {
         let viewport = self.viewport(view);
         let place = match view {
