@@ -318,7 +318,10 @@ impl Session {
             Entry::Steps(count) => {
                 if self.has_work() {
                     self.log.step();
-                    self.step_once(events)?;
+                    if let Err(problem) = self.step_once(events) {
+                        // It failed when it was made, and what came after was done all the same.
+                        self.give_up(problem, events);
+                    }
                     if count > 1 {
                         self.replay.entries.push_front(Entry::Steps(count - 1));
                     }

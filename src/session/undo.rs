@@ -114,6 +114,8 @@ impl Work {
     pub(super) fn take_over(&mut self, target: &Snapshot) {
         self.method = target.method;
         self.cones.edits = target.edits.clone();
+        self.cones.path = target.path.clone();
+        self.cones.comparison.clone_from(&target.cone_comparison);
         self.cones.is_stale = true;
         self.phase.put_back(target.phase.clone());
         self.develop.put_back(target.develop.clone());

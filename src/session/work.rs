@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use super::charting::{Charting, FlattenBy};
 use super::comparing::ResultCard;
-use super::cones::{Cones, ConesReport, Edits};
+use super::cones::{ConeComparisonRow, Cones, ConesReport, Edits, KnownPath};
 use super::document::Document;
 use super::folding::Fold;
 use super::inputs::{self, Layers};
@@ -116,6 +116,9 @@ pub(super) struct Snapshot {
     pub settings: Settings,
     pub layers: Layers,
     pub edits: Edits,
+    /// The path over λ, and cones compared with others: results of the document as it was.
+    pub path: KnownPath,
+    pub cone_comparison: Vec<ConeComparisonRow>,
     pub pending: Pending,
     pub symmetries: Option<Rc<Vec<Symmetry>>>,
     pub checkpoint: Option<Checkpoint>,
@@ -265,6 +268,8 @@ impl Work {
             settings: self.settings.clone(),
             layers: self.layers.clone(),
             edits: self.cones.edits.clone(),
+            path: self.cones.path.clone(),
+            cone_comparison: self.cones.comparison.clone(),
             pending: self.pending,
             symmetries: self.symmetries.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),

@@ -42,6 +42,8 @@ pub struct InteriorSystem<'a> {
     rows: Vec<u32>,
     count: usize,
     factor: Option<Factor>,
+    values: Vec<f64>,
+    residual: f64,
 }
 
 impl<'a> InteriorSystem<'a> {
@@ -59,7 +61,8 @@ impl<'a> InteriorSystem<'a> {
                 count += 1;
             }
         }
-        let mut system = Self { patch, mesh, geometry, rows, count, factor: None };
+        let (factor, values, residual) = (None, Vec::new(), 0.0);
+        let mut system = Self { patch, mesh, geometry, rows, count, factor, values, residual };
         if count > 0 {
             let mut pairs = Vec::with_capacity(3 * patch.faces.len());
             let mut weights = Vec::with_capacity(3 * patch.faces.len());
@@ -85,6 +88,7 @@ impl<'a> InteriorSystem<'a> {
                 values[pattern.diagonal(row)] = weight;
             }
             system.factor = Some(Factor::new(Arc::new(Analysis::new(pattern)?), &values)?);
+            system.values = values;
         }
         Ok(system)
     }
@@ -120,7 +124,7 @@ impl<'a> InteriorSystem<'a> {
             }
         });
         let Some(factor) = &mut self.factor else { return };
-        factor.solve(&mut x, 2);
+        self.residual = factor.solve_measured(&self.values, &mut x, 2);
         for (&row, place) in self.rows.iter().zip(places) {
             if row != NONE {
                 *place = Complex::new(x[row as usize], x[n + row as usize]);
@@ -139,6 +143,11 @@ impl<'a> InteriorSystem<'a> {
             *place = Point2::new(z.re, z.im);
         }
         self.refine(places, rigid_steps);
+    }
+
+    /// Relative residual of the last solve; 0 before the first and without unknowns.
+    pub fn residual(&self) -> f64 {
+        self.residual
     }
 
     /// Local/global steps towards true lengths from a map that is there.
