@@ -229,7 +229,8 @@ fn what_a_refused_command_put_an_end_to_is_at_an_end_in_a_replay_too() {
     };
     // A mesh that was being made anew.
     let mut session = start();
-    let values = [("edge".to_owned(), 2.0), ("adaptivity".to_owned(), 0.0), ("crease".to_owned(), 40.0)];
+    let values =
+        [("edge".to_owned(), 2.0), ("adaptivity".to_owned(), 0.0), ("crease".to_owned(), 40.0)];
     session.handle(Command::Prepare { tool: "remesh".into(), values: values.into() });
     run(&mut session, 1);
     session.handle(Command::OpenSample { name: "nothing of that name".into() });

@@ -22,9 +22,7 @@ use super::inputs::Layers;
 use super::params::Settings;
 use super::surface::Surface;
 use super::text::Problem;
-use crate::methods::cones::{
-    Cone, ConeFields, ConeFlow, ConeParams, ConeState, ConeTarget,
-};
+use crate::methods::cones::{Cone, ConeFields, ConeFlow, ConeParams, ConeState, ConeTarget};
 use crate::methods::flow::{Flow, Status};
 
 use edits::{cone_problem, too_large};
