@@ -76,6 +76,10 @@ impl Session {
             // Nothing runs after Undo.
             self.log.push(Entry::Do(Command::Pause));
         }
+        if target.was_folded {
+            // Nor is anything folded.
+            self.log.push(Entry::Do(Command::Unfold));
+        }
         let allowances = target.seam_allowances;
         self.install(work, events);
         if let Some(work) = &mut self.work {

@@ -132,6 +132,8 @@ pub(super) struct Snapshot {
     /// What had been done until then.
     pub log: Log,
     pub was_running: bool,
+    /// Whether the surface was shown folded from its pieces, which Undo does not show again.
+    pub was_folded: bool,
 }
 
 impl Work {
@@ -222,6 +224,20 @@ impl Work {
         }
     }
 
+    /// Tells the flow the parameters and what was painted.
+    pub fn tell_flow(&mut self) -> Result<(), Problem> {
+        let fields = self.fields();
+        let params = self.settings.flow_params();
+        let name = &self.document.name;
+        let wrong = |error| Problem::solve(name, &error);
+        if let Some(flow) = &mut self.flow {
+            flow.set_params(params).map_err(wrong)?;
+            flow.set_fields(&fields).map_err(wrong)?;
+            self.remeasure();
+        }
+        Ok(())
+    }
+
     fn vertex_count(&self) -> usize {
         self.document.surface.as_ref().map_or(0, |surface| surface.mesh.vertex_count())
     }
@@ -281,6 +297,7 @@ impl Work {
             seam_allowances: self.seam_allowances.clone(),
             log: Log::default(),
             was_running: false,
+            was_folded: self.fold.is_some(),
         }
     }
 

@@ -242,12 +242,10 @@ impl Cones {
             let (mesh, geometry) = surface.given_or_mended();
             let flow = ConeFlow::new(mesh, geometry, &params, &fields).map_err(wrong)?;
             self.solver = Some(Solver { flow, params, fields: fields.clone(), target: None });
-        } else if !is_same {
-            if let Some(solver) = &mut self.solver {
-                solver.flow.set_params(&params).map_err(wrong)?;
-                solver.params = params;
-                solver.target = None;
-            }
+        } else if !is_same && let Some(solver) = &mut self.solver {
+            solver.flow.set_params(&params).map_err(wrong)?;
+            solver.params = params;
+            solver.target = None;
         }
         if !self.path.is_of(&params, &fields) {
             self.forget_path();

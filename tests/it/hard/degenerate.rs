@@ -237,6 +237,7 @@ fn through(case: &Case) -> Result<String, String> {
 }
 
 #[test]
+#[ignore = "its time is not known yet: `cargo xtask soak --only degenerate` runs all of it"]
 fn surfaces_that_hardly_are_any_are_flattened_or_refused_with_a_reason() {
     let mut faults = Vec::new();
     for case in cases(false) {
