@@ -27,7 +27,7 @@ use super::closing::{MAX_LOG_RATIO, Polygons, Turns};
 use super::{Flattening, NoChart, rims};
 use crate::geometry::{Geometry, angle_defects};
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
-use crate::mesh::{FaceId, HalfedgeId, Mesh, OpenedMesh, VertexId};
+use crate::mesh::{HalfedgeId, Mesh, OpenedMesh, VertexId};
 
 /// Flattens every patch that is a disk, keeping the lengths of its rim as far as it can be closed (u = 0 on rims).
 ///
@@ -75,7 +75,7 @@ pub fn bff_with(
     geometry: &Geometry,
     interior: &mut Factor,
 ) -> Result<Flattening, LinalgError> {
-    Problem::new(opened, geometry, None).solve(interior)
+    Problem::new(opened, geometry, None).solve(interior, None)
 }
 
 /// What a vertex is to the problem.
@@ -144,7 +144,7 @@ impl<'a> Problem<'a> {
         loop {
             let values = self.interior_values(analysis.pattern(), &slots);
             match Factor::new(analysis.clone(), &values) {
-                Ok(mut factor) => return self.solve(&mut factor),
+                Ok(mut factor) => return self.solve(&mut factor, Some(&values)),
                 // Rounding in extreme slivers: the patch loses its chart, the others do not.
                 Err(LinalgError::NotPositiveDefinite { row }) => self.give_up(VertexId::from(row)),
                 Err(error) => return Err(error),
@@ -223,11 +223,10 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Takes the patch of a vertex out of the problem.
+    /// Takes the patch of a vertex out of the problem, because of that vertex.
     fn give_up(&mut self, v: VertexId) {
         let patch = self.vertex_patches[v.index()];
-        let face = self.opened.face_patches.iter().position(|&p| p == patch).unwrap_or(0);
-        self.charts[patch as usize] = Err(NoChart::Degenerate { face: FaceId::from(face) });
+        self.charts[patch as usize] = Err(NoChart::Singular { vertex: v });
         for (role, &p) in self.roles.iter_mut().zip(&self.vertex_patches) {
             if p == patch {
                 *role = Role::Outside;
@@ -235,7 +234,17 @@ impl<'a> Problem<'a> {
         }
     }
 
-    fn solve(mut self, factor: &mut Factor) -> Result<Flattening, LinalgError> {
+    /// **Takes** the values of the factored matrix, where solutions are to be measured.
+    fn solve(
+        mut self,
+        factor: &mut Factor,
+        values: Option<&[f64]>,
+    ) -> Result<Flattening, LinalgError> {
+        let mut residual = 0.0;
+        let mut solve = |factor: &mut Factor, x: &mut [f64], columns: usize| match values {
+            Some(values) => residual = factor.solve_measured(values, x, columns).max(residual),
+            None => factor.solve(x, columns),
+        };
         let rows = factor.analysis().pattern().size();
         let inside: Vec<VertexId> = self.mesh.vertices().filter(|&v| self.is_interior(v)).collect();
         debug_assert!(inside.iter().all(|v| v.index() < rows));
@@ -246,7 +255,7 @@ impl<'a> Problem<'a> {
             u[v.index()] = -curvatures[v.index()];
         }
         self.for_rim_edges(|inside, rim, weight| u[inside.index()] += weight * self.given(rim));
-        factor.solve(&mut u, 1);
+        solve(factor, &mut u, 1);
 
         let mut rim_curvatures = curvatures;
         self.for_rim_edges(|inside, rim, weight| {
@@ -264,7 +273,7 @@ impl<'a> Problem<'a> {
             coordinates[inside.index()] += weight * places[rim.index()].x;
             coordinates[rows + inside.index()] += weight * places[rim.index()].y;
         });
-        factor.solve(&mut coordinates, 2);
+        solve(factor, &mut coordinates, 2);
 
         let mut uv = places;
         let mut scale_factors = vec![f64::NAN; self.mesh.vertex_count()];
@@ -291,7 +300,8 @@ impl<'a> Problem<'a> {
                 scale_factors[i] = f64::NAN;
             }
         }
-        Ok(Flattening { charts: self.charts, uv, u: scale_factors, seams_equal, angles_exact })
+        let charts = self.charts;
+        Ok(Flattening { charts, uv, u: scale_factors, seams_equal, angles_exact, residual })
     }
 
     /// Places of the rim vertices.

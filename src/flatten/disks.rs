@@ -40,6 +40,12 @@ impl<'a> Disks<'a> {
         self.charts[self.opened.face_patches[f.index()] as usize].is_ok()
     }
 
+    /// Takes the patch of a vertex at which its system breaks down out of the problem.
+    pub fn break_down(&mut self, vertex: VertexId) {
+        self.charts[self.vertex_patches[vertex.index()] as usize] =
+            Err(NoChart::Singular { vertex });
+    }
+
     /// Takes a patch out of the problem.
     pub fn give_up(&mut self, patch: u32) {
         let face = self.opened.face_patches.iter().position(|&p| p == patch).unwrap_or(0);
@@ -49,11 +55,11 @@ impl<'a> Disks<'a> {
     /// Factors the matrix that `assemble` makes. The patch of a row that is not positive definite (extreme slivers) is given up, and the
     /// others go on.
     ///
-    /// **Takes** rows that belong to vertex `row % V`.
+    /// **Takes** rows that belong to vertex `row % V`. **Gives** the factor and the values that it is of.
     pub fn factor(
         &mut self,
         assemble: impl Fn(&Self) -> (Pattern, Vec<f64>),
-    ) -> Result<Factor, LinalgError> {
+    ) -> Result<(Factor, Vec<f64>), LinalgError> {
         loop {
             let (pattern, values) = assemble(self);
             match Factor::new(Arc::new(Analysis::new(pattern)?), &values) {
@@ -62,9 +68,9 @@ impl<'a> Disks<'a> {
                     if !self.is_in(v) {
                         return Err(LinalgError::NotPositiveDefinite { row });
                     }
-                    self.give_up(self.vertex_patches[v.index()]);
+                    self.break_down(v);
                 }
-                result => return result,
+                result => return result.map(|factor| (factor, values)),
             }
         }
     }
@@ -72,8 +78,8 @@ impl<'a> Disks<'a> {
     /// Charts from places: of the area of their patches, with log scales.
     ///
     /// **Takes** a place for every vertex of a chart, counter-clockwise up to flips. Charts whose places are not finite or have no positive
-    /// area become [`NoChart::Degenerate`].
-    pub fn finish(mut self, mut uv: Vec<Point2<f64>>) -> Flattening {
+    /// area become [`NoChart::Degenerate`]. And the residual of the solve that gave them.
+    pub fn finish(mut self, mut uv: Vec<Point2<f64>>, residual: f64) -> Flattening {
         let mesh = &self.opened.mesh;
         let mut flat = vec![0.0; self.charts.len()];
         let mut curved = vec![0.0; self.charts.len()];
@@ -97,7 +103,8 @@ impl<'a> Disks<'a> {
             };
         }
         let u = log_scales(self.opened, self.geometry, &uv);
-        Flattening { charts: self.charts, uv, u, seams_equal: false, angles_exact: false }
+        let charts = self.charts;
+        Flattening { charts, uv, u, seams_equal: false, angles_exact: false, residual }
     }
 }
 

@@ -54,6 +54,10 @@ pub struct FixedMap {
     pub interiors: Vec<Option<Interior>>,
     /// For each patch the faces that are turned over or have no area in the plane.
     pub flipped: Vec<usize>,
+    /// For each patch the vertex at which its system broke down, if it did.
+    pub singular: Vec<Option<VertexId>>,
+    /// Largest relative residual of the systems that gave places.
+    pub residual: f64,
 }
 
 /// Fills in every patch between the places of its rim vertices.
@@ -77,8 +81,10 @@ pub fn fixed_rim(
         uv: vec![nowhere; places.len()],
         interiors: vec![None; patch_count],
         flipped: vec![0; patch_count],
+        singular: Vec::new(),
+        residual: 0.0,
     };
-    let mut harmonic: Option<(Factor, Vec<Complex<f64>>)> = None;
+    let mut harmonic: Option<(System, Vec<Complex<f64>>)> = None;
     for &interior in order {
         // Patches that are content stand aside where that saves a factorisation.
         let wanted: Vec<bool> = (0..patch_count)
@@ -90,18 +96,19 @@ pub fn fixed_rim(
         let found = match interior {
             Interior::MeanValue => problem.mean_value(&wanted)?,
             Interior::Harmonic | Interior::Rigid { .. } => {
-                let (factor, found) = match &mut harmonic {
+                let (system, found) = match &mut harmonic {
                     Some(known) => known,
                     none => none.insert(problem.harmonic()?),
                 };
                 match interior {
-                    Interior::Rigid { steps } => problem.rigid(factor, found, steps),
+                    Interior::Rigid { steps } => problem.rigid(system, found, steps),
                     _ => found.clone(),
                 }
             }
         };
         problem.keep_better(interior, &found, &wanted, &mut map);
     }
+    (map.singular, map.residual) = (problem.singular, problem.residual);
     Ok(map)
 }
 
@@ -111,7 +118,10 @@ impl FixedMap {
         let mut disks = Disks::new(opened, geometry);
         for patch in 0..opened.patch_count {
             if self.interiors[patch].is_none() && disks.charts[patch].is_ok() {
-                disks.give_up(small(patch));
+                match self.singular[patch] {
+                    Some(vertex) => disks.break_down(vertex),
+                    None => disks.give_up(small(patch)),
+                }
             }
         }
         let place = |v: VertexId| {
@@ -120,7 +130,8 @@ impl FixedMap {
         let uv: Vec<_> = opened.mesh.vertices().map(place).collect();
         let seams_equal = seam_difference(opened, &uv) < 1e-10;
         let u = log_scales(opened, geometry, &uv);
-        Flattening { charts: disks.charts, uv, u, seams_equal, angles_exact: false }
+        let (charts, residual) = (disks.charts, self.residual);
+        Flattening { charts, uv, u, seams_equal, angles_exact: false, residual }
     }
 }
 
@@ -148,6 +159,14 @@ struct Problem<'a> {
     usable: Vec<bool>,
     /// Whether the place of each vertex is sought: off the rims of patches in use.
     unknown: Vec<bool>,
+    singular: Vec<Option<VertexId>>,
+    residual: f64,
+}
+
+/// A matrix and its factor.
+struct System {
+    factor: Factor,
+    values: Vec<f64>,
 }
 
 impl<'a> Problem<'a> {
@@ -168,8 +187,17 @@ impl<'a> Problem<'a> {
             usable[opened.face_patches[f.index()] as usize] &= shaped;
         }
         let places = places.iter().map(|p| Complex::new(p.x, p.y)).collect();
-        let mut problem =
-            Self { opened, geometry, places, vertex_patches, usable, unknown: Vec::new() };
+        let singular = vec![None; usable.len()];
+        let mut problem = Self {
+            opened,
+            geometry,
+            places,
+            vertex_patches,
+            usable,
+            unknown: Vec::new(),
+            singular,
+            residual: 0.0,
+        };
         problem.find_unknown();
         problem
     }
@@ -205,14 +233,15 @@ impl<'a> Problem<'a> {
     }
 
     /// The harmonic map and the factor that made it. Patches whose system cannot be factored are out of use from then on.
-    fn harmonic(&mut self) -> Result<(Factor, Vec<Complex<f64>>), LinalgError> {
+    fn harmonic(&mut self) -> Result<(System, Vec<Complex<f64>>), LinalgError> {
         loop {
             let (pattern, values) = self.laplacian();
             match Factor::new(Arc::new(Analysis::new(pattern)?), &values) {
-                Ok(mut factor) => {
+                Ok(factor) => {
                     let nothing = vec![Complex::default(); self.places.len()];
-                    let found = self.solve(&mut factor, &nothing);
-                    return Ok((factor, found));
+                    let mut system = System { factor, values };
+                    let found = self.solve(&mut system, &nothing);
+                    return Ok((system, found));
                 }
                 Err(LinalgError::NotPositiveDefinite { row }) => self.give_up(row)?,
                 Err(error) => return Err(error),
@@ -224,7 +253,9 @@ impl<'a> Problem<'a> {
         if !self.is_unknown(VertexId::from(row)) {
             return Err(LinalgError::NotPositiveDefinite { row });
         }
-        self.usable[self.vertex_patches[row] as usize] = false;
+        let patch = self.vertex_patches[row] as usize;
+        self.usable[patch] = false;
+        self.singular[patch] = Some(VertexId::from(row));
         self.find_unknown();
         Ok(())
     }
@@ -268,7 +299,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Solves A_II x = loads − A_IB x_B; places of rims are the given ones.
-    fn solve(&self, factor: &mut Factor, loads: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    fn solve(&mut self, system: &mut System, loads: &[Complex<f64>]) -> Vec<Complex<f64>> {
         let n = self.places.len();
         let mut rhs = self.places.clone();
         for v in (0..n).filter(|&v| self.unknown[v]) {
@@ -282,18 +313,20 @@ impl<'a> Problem<'a> {
             }
         }
         let mut x: Vec<f64> = rhs.iter().map(|z| z.re).chain(rhs.iter().map(|z| z.im)).collect();
-        factor.solve(&mut x, 2);
+        let residual = system.factor.solve_measured(&system.values, &mut x, 2);
+        self.residual = residual.max(self.residual);
         (0..n).map(|v| Complex::new(x[v], x[n + v])).collect()
     }
 
     /// Local/global steps: each face turned to fit its image, then places nearest to the turned faces.
     fn rigid(
-        &self,
-        factor: &mut Factor,
+        &mut self,
+        system: &mut System,
         start: &[Complex<f64>],
         steps: usize,
     ) -> Vec<Complex<f64>> {
-        let mesh = &self.opened.mesh;
+        let opened = self.opened;
+        let mesh = &opened.mesh;
         let mut x = start.to_vec();
         let rests: Vec<[Complex<f64>; 3]> = mesh.faces().map(|f| self.rest(f)).collect();
         for _ in 0..steps {
@@ -311,7 +344,7 @@ impl<'a> Problem<'a> {
                 loads[a.index()] -= pull;
                 loads[b.index()] += pull;
             }
-            x = self.solve(factor, &loads);
+            x = self.solve(system, &loads);
         }
         x
     }
@@ -383,6 +416,14 @@ impl<'a> Problem<'a> {
             factor.solve(&mut rhs, 2);
             for &v in &unknown {
                 x[v] += Complex::new(rhs[v], rhs[n + v]);
+            }
+        }
+        let size = unknown.iter().map(|&v| x[v].norm()).fold(0.0, f64::max);
+        for &v in &unknown {
+            let mean: Complex<f64> = rows[v].iter().map(|&(w, weight)| x[w] * weight).sum();
+            let off = (mean - x[v]).norm();
+            if off > 0.0 {
+                self.residual = self.residual.max(off / size);
             }
         }
         // Patches that failed here alone keep the interior that they have.

@@ -86,7 +86,7 @@ pub fn dcp(opened: &OpenedMesh, geometry: &Geometry) -> Result<Flattening, Linal
             walked += side;
         }
     }
-    let mut factor = disks.factor(|disks| {
+    let (mut factor, values) = disks.factor(|disks| {
         let (pattern, mut values) = energy.matrix(disks, |_| false);
         for (v, b) in spread.iter().enumerate() {
             values[pattern.diagonal(v)] += SHIFT * b;
@@ -94,13 +94,14 @@ pub fn dcp(opened: &OpenedMesh, geometry: &Geometry) -> Result<Flattening, Linal
         }
         (pattern, values)
     })?;
+    let mut residual = 0.0;
     for _ in 0..SOLVES {
         let mut rhs = vec![0.0; 2 * n];
         for v in opened.mesh.vertices().filter(|&v| disks.is_in(v)).map(VertexId::index) {
             rhs[v] = spread[v] * places[v].re;
             rhs[n + v] = spread[v] * places[v].im;
         }
-        factor.solve(&mut rhs, 1);
+        residual = factor.solve_measured(&values, &mut rhs, 1);
         let mut next: Vec<_> = (0..n).map(|v| Complex::new(rhs[v], rhs[n + v])).collect();
         if normalise(&disks, &spread, &places, &mut next) < UNCHANGED {
             places = next;
@@ -109,7 +110,7 @@ pub fn dcp(opened: &OpenedMesh, geometry: &Geometry) -> Result<Flattening, Linal
         places = next;
     }
     let uv = places.into_iter().map(|z| Point2::new(z.re, z.im)).collect();
-    Ok(disks.finish(uv))
+    Ok(disks.finish(uv, residual))
 }
 
 /// Takes the means out, turns each chart to where it was and scales it to unit spread. **Gives** the largest change of spread.
@@ -162,7 +163,7 @@ pub(super) fn least_squares(
         }
     }
     let is_held = |v: usize| held[v].is_some();
-    let mut factor = disks.factor(|disks| energy.matrix(disks, is_held))?;
+    let (mut factor, values) = disks.factor(|disks| energy.matrix(disks, is_held))?;
     let mut x = vec![0.0; 2 * n];
     for edge in energy.edges_of(&disks) {
         for (free, other, turn) in edge.ways() {
@@ -177,9 +178,9 @@ pub(super) fn least_squares(
             (x[v], x[n + v]) = (z.re, z.im);
         }
     }
-    factor.solve(&mut x, 1);
+    let residual = factor.solve_measured(&values, &mut x, 1);
     let uv = (0..n).map(|v| Point2::new(x[v], x[n + v])).collect();
-    Ok(disks.finish(uv))
+    Ok(disks.finish(uv, residual))
 }
 
 /// Two rim vertices with half of the rim between them, the pair that is farthest apart in space.

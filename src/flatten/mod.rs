@@ -35,7 +35,7 @@ pub mod validity;
 
 use nalgebra::{Point2, Vector2};
 
-use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
+use crate::mesh::{FaceId, HalfedgeId, OpenedMesh, VertexId};
 
 pub use abf::abf;
 pub use atlas::{Atlas, AtlasMethod, AtlasParams, largest_weights};
@@ -70,6 +70,12 @@ pub enum NoChart {
         /// The face, of the opened mesh.
         face: FaceId,
     },
+    /// The system of the patch broke down: elimination met a pivot that is not positive, or places are no numbers.
+    #[error("the equations of the patch break down at vertex {} of the cut surface: triangles about it are too thin", .vertex.0)]
+    Singular {
+        /// The vertex, of the opened mesh.
+        vertex: VertexId,
+    },
     /// Nobody has asked for it yet.
     #[error("the chart waits until the cut rests")]
     Waiting,
@@ -95,6 +101,9 @@ pub struct Flattening {
     /// Whether the angles about points on seams are those of u (see [`bff_scaled`]). Never with isometric rims ([`bff`]), where
     /// curvature is left all along the seams.
     pub angles_exact: bool,
+    /// Largest relative residual of the linear solves that gave the places ([`crate::linalg::Factor::solve_measured`]); 0 where there are none, or
+    /// where another measure says how good they are.
+    pub residual: f64,
 }
 
 impl Flattening {
@@ -107,6 +116,7 @@ impl Flattening {
             u: vec![f64::NAN; count],
             seams_equal: true,
             angles_exact: false,
+            residual: 0.0,
         }
     }
 

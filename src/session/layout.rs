@@ -2,6 +2,7 @@
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use nalgebra::Point3;
 
@@ -18,7 +19,7 @@ use crate::methods::cones::Cone;
 use crate::methods::cutgraph::{Seams, cut_through, cut_to_disks, part_sectors};
 use crate::methods::flow::SolveError;
 use crate::methods::straighten::{StraightenParams, Unchanged, finish_cut, snap_to_edges};
-use crate::pattern::CutSurface;
+use crate::pattern::{CutSurface, UvPackParams};
 
 /// Free space between charts, √area = 1.
 const GAP: f64 = 0.02;
@@ -53,6 +54,8 @@ pub struct Layout {
     pub vertex_patches: Vec<u32>,
     /// What a person should know of how the cut was finished.
     pub notice: Option<String>,
+    /// The charts in the unit square of a texture, once a file asked for them.
+    pub uv: Option<(UvPackParams, Rc<Vec<[f64; 2]>>)>,
 }
 
 /// How a cut at rest is finished.
@@ -277,6 +280,7 @@ impl Layout {
             refined: None,
             vertex_patches,
             notice,
+            uv: None,
         }
     }
 
@@ -290,6 +294,7 @@ impl Layout {
         let places = flattening.place(&self.opened, &self.packing);
         self.charts = places.iter().map(|p| [p.x, p.y]).collect();
         self.flattening = flattening;
+        self.uv = None;
     }
 
     /// Adds a sentence to what a person should know.

@@ -168,11 +168,18 @@ impl Session {
         let entry = project::is_kept(&command).then(|| Entry::Do(command.clone()));
         self.heed_comparison(&command, &mut events);
         let was_folded = self.is_folded();
+        let mut has_ended = false;
         if !goes_along_with_preparing(&command) && self.preparation.take().is_some() {
+            has_ended = true;
             events.push(self.status());
         }
         if !matches!(command, Command::Paint { .. }) && !is_travel(&command) {
+            has_ended |= self.is_stroke_open();
             self.end_stroke();
+        }
+        if has_ended && entry.is_none() {
+            // What the command put an end to is at an end in a replay too, where the command itself is not done again.
+            self.log.push(Entry::Do(Command::EndStroke));
         }
         let result = match command {
             Command::EndStroke => Ok(()),
@@ -277,7 +284,10 @@ impl Session {
         match (result, entry) {
             (Ok(()), Some(entry)) => self.log.push(entry),
             (Ok(()), None) => {}
-            (Err(problem), _) => {
+            (Err(problem), entry) => {
+                if has_ended && entry.is_some() {
+                    self.log.push(Entry::Do(Command::EndStroke));
+                }
                 self.refuse(problem, &mut events);
                 // What was asked for is not in force: controls go back to what is.
                 events.push(self.parameters());
@@ -291,20 +301,21 @@ impl Session {
     /// Opens a file. What was open stays open if the file cannot be used.
     pub fn open(&mut self, name: &str, bytes: &[u8]) -> Vec<Event> {
         let name = &shown_name(name);
+        if self.preparation.take().is_some() {
+            // A replay gives it up as well.
+            self.log.push(Entry::Do(Command::EndStroke));
+        }
         if self.work.is_some() && cut_file::is_cut_file(bytes) {
-            self.preparation = None;
             let mut events = self.handle(Command::SetMethod { id: Method::CutFlow.id().into() });
             events.extend(self.bring(Brought::Cut { name, bytes }));
             return events;
         }
         if self.work.is_some() && cones::is_cones_file(bytes) {
-            self.preparation = None;
             let mut events = self.handle(Command::SetMethod { id: Method::Cones.id().into() });
             events.extend(self.bring(Brought::Cones { name, bytes }));
             return events;
         }
         let mut events = std::mem::take(&mut self.late);
-        self.preparation = None;
         self.replay = Replay::default();
         let is_project = project::is_project_file(bytes);
         let kept = self.cut_at_hand().filter(|_| !is_project);
@@ -338,10 +349,8 @@ impl Session {
                 self.replay_on(&mut events)
             };
             if let Err(problem) = stepped {
-                self.is_running = false;
-                self.preparation = None;
                 self.replay = Replay::default();
-                self.refuse(problem, &mut events);
+                self.give_up(problem, &mut events);
                 break;
             }
             if !go_on() {
@@ -353,6 +362,13 @@ impl Session {
         events.push(self.status());
         events.push(Event::Scene);
         events
+    }
+
+    /// A step that cannot be made ends what was going on.
+    fn give_up(&mut self, problem: Problem, events: &mut Vec<Event>) {
+        self.is_running = false;
+        self.preparation = None;
+        self.refuse(problem, events);
     }
 
     /// One step of what has most need of one.

@@ -17,6 +17,7 @@ impl Work {
             notices.extend(inaccurate(flow));
             notices.extend(self.coarse_mesh());
         }
+        notices.extend(inaccurate_charts(layout));
         notices.extend(layout.notice.iter().map(|text| NoticeText::new("outlines", 1, text)));
         notices
     }
@@ -29,8 +30,14 @@ impl Work {
             let inexact = (!is_exact && self.is_settled).then(|| {
                 "The chart could not be closed with exact angles at the cones: its outline was bent a little.".to_owned()
             });
-            let texts: Vec<String> =
-                self.cones_note().into_iter().chain(inexact).chain(coarse).collect();
+            let inaccurate = inaccurate_charts(layout).map(|notice| notice.text);
+            let texts: Vec<String> = self
+                .cones_note()
+                .into_iter()
+                .chain(inexact)
+                .chain(inaccurate)
+                .chain(coarse)
+                .collect();
             return (!texts.is_empty()).then(|| texts.join(" "));
         }
         let texts: Vec<String> = self.notices(layout).into_iter().map(|n| n.text).collect();
@@ -55,8 +62,8 @@ impl Work {
     }
 }
 
-/// Relative residual of the scale factors beyond which their digits are told not to be trusted. Good meshes have 1e-12; at 1e-6 the energy is
-/// still right to more digits than are shown.
+/// Relative residual of scale factors and of places beyond which their digits are told not to be trusted. Good meshes have 1e-12; at 1e-6 energies
+/// and lengths are still right to more digits than are shown.
 const WORST_RESIDUAL: f64 = 1e-6;
 
 /// That the last solve left more than rounding.
@@ -68,6 +75,18 @@ fn inaccurate(flow: &CutFlow) -> Option<NoticeText> {
              under Prepare, or by the command prepare with --tool remesh."
         );
         NoticeText::new("inaccurate_solve", 1, text)
+    })
+}
+
+/// That the places in the charts solve their equations only roughly.
+fn inaccurate_charts(layout: &Layout) -> Option<NoticeText> {
+    let residual = layout.flattening.residual;
+    (!(residual <= WORST_RESIDUAL)).then(|| {
+        let text = format!(
+            "The charts solve their equations only to {residual:.0e} of their size: the triangles are too thin for exact lengths. Remesh under \
+             Prepare, or by the command prepare with --tool remesh."
+        );
+        NoticeText::new("inaccurate_charts", 1, text)
     })
 }
 

@@ -342,6 +342,11 @@ impl Session {
 
     /// Brings the flow up to what was painted.
     pub(super) fn catch_up(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
+        let Some(work) = &mut self.work else { return Ok(()) };
+        if work.method != Method::CutFlow && work.pending == Pending::Fields {
+            // The cut flow that stands aside acts on it too, as it does when Undo makes it anew.
+            work.tell_flow()?;
+        }
         if self.method() == Method::Cones {
             return self.cones_catch_up();
         }
@@ -355,17 +360,7 @@ impl Session {
                 let flow = work.new_flow(None)?;
                 work.begin(flow);
             }
-            Pending::Fields => {
-                let fields = work.fields();
-                let params = work.settings.flow_params();
-                let name = work.document.name.clone();
-                let wrong = |error| Problem::solve(&name, &error);
-                if let Some(flow) = &mut work.flow {
-                    flow.set_params(params).map_err(wrong)?;
-                    flow.set_fields(&fields).map_err(wrong)?;
-                    work.remeasure();
-                }
-            }
+            Pending::Fields => work.tell_flow()?,
         }
         self.scene_is_new = true;
         // A restart has one row, other changes concern the last one.

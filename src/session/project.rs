@@ -318,7 +318,10 @@ impl Session {
             Entry::Steps(count) => {
                 if self.has_work() {
                     self.log.step();
-                    self.step_once(events)?;
+                    if let Err(problem) = self.step_once(events) {
+                        // It failed when it was made, and what came after was done all the same.
+                        self.give_up(problem, events);
+                    }
                     if count > 1 {
                         self.replay.entries.push_front(Entry::Steps(count - 1));
                     }
@@ -338,7 +341,8 @@ impl Session {
 
     /// The bytes of the project.
     pub(super) fn project(&self) -> Result<File, Problem> {
-        let Some(origin) = &self.log.origin else { return Err(nothing_open()) };
+        let done = self.document_log();
+        let Some(origin) = &done.origin else { return Err(nothing_open()) };
         let document = &origin.document;
         let obj = document.sample.is_none().then(|| {
             String::from_utf8_lossy(&pattern::mesh_obj(&document.soup, document.mm_per_unit))
@@ -355,12 +359,7 @@ impl Session {
             method: origin.method.id().to_owned(),
             parameters: origin.settings.values(),
             // What is still to be done again belongs to it.
-            log: self
-                .log
-                .entries()
-                .into_iter()
-                .chain(self.replay.entries.iter().cloned())
-                .collect(),
+            log: done.entries().into_iter().chain(self.replay.entries.iter().cloned()).collect(),
         };
         let bytes = serde_json::to_vec(&file).map_err(|error| {
             refused(&document.name, format!("The project could not be written: {error}."))

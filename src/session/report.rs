@@ -151,6 +151,8 @@ pub struct FlattenReport {
     /// What conformal equivalence did, where it did it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conformal: Option<EquivalenceReport>,
+    /// Largest relative residual of the linear solves behind the charts; 0 where conformal equivalence or merged patches have measures of their own.
+    pub residual: f64,
     /// What became of charts that overlapped themselves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub split: Option<SplitReport>,
@@ -397,6 +399,7 @@ impl FlattenReport {
             validity: ValidityReport::new(layout),
             bff_flipped: layout.made.bff_flipped,
             conformal: layout.made.conformal.as_ref().map(EquivalenceReport::new),
+            residual: layout.flattening.residual,
             split: SplitReport::new(layout),
             refined: layout.refined,
             seconds,

@@ -76,6 +76,10 @@ impl Session {
             // Nothing runs after Undo.
             self.log.push(Entry::Do(Command::Pause));
         }
+        if target.was_folded {
+            // Nor is anything folded.
+            self.log.push(Entry::Do(Command::Unfold));
+        }
         let allowances = target.seam_allowances;
         self.install(work, events);
         if let Some(work) = &mut self.work {
@@ -114,6 +118,8 @@ impl Work {
     pub(super) fn take_over(&mut self, target: &Snapshot) {
         self.method = target.method;
         self.cones.edits = target.edits.clone();
+        self.cones.path = target.path.clone();
+        self.cones.comparison.clone_from(&target.cone_comparison);
         self.cones.is_stale = true;
         self.phase.put_back(target.phase.clone());
         self.develop.put_back(target.develop.clone());

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use super::charting::{Charting, FlattenBy};
 use super::comparing::ResultCard;
-use super::cones::{Cones, ConesReport, Edits};
+use super::cones::{ConeComparisonRow, Cones, ConesReport, Edits, KnownPath};
 use super::document::Document;
 use super::folding::Fold;
 use super::inputs::{self, Layers};
@@ -116,6 +116,9 @@ pub(super) struct Snapshot {
     pub settings: Settings,
     pub layers: Layers,
     pub edits: Edits,
+    /// The path over λ, and cones compared with others: results of the document as it was.
+    pub path: KnownPath,
+    pub cone_comparison: Vec<ConeComparisonRow>,
     pub pending: Pending,
     pub symmetries: Option<Rc<Vec<Symmetry>>>,
     pub checkpoint: Option<Checkpoint>,
@@ -129,6 +132,8 @@ pub(super) struct Snapshot {
     /// What had been done until then.
     pub log: Log,
     pub was_running: bool,
+    /// Whether the surface was shown folded from its pieces, which Undo does not show again.
+    pub was_folded: bool,
 }
 
 impl Work {
@@ -219,6 +224,20 @@ impl Work {
         }
     }
 
+    /// Tells the flow the parameters and what was painted.
+    pub fn tell_flow(&mut self) -> Result<(), Problem> {
+        let fields = self.fields();
+        let params = self.settings.flow_params();
+        let name = &self.document.name;
+        let wrong = |error| Problem::solve(name, &error);
+        if let Some(flow) = &mut self.flow {
+            flow.set_params(params).map_err(wrong)?;
+            flow.set_fields(&fields).map_err(wrong)?;
+            self.remeasure();
+        }
+        Ok(())
+    }
+
     fn vertex_count(&self) -> usize {
         self.document.surface.as_ref().map_or(0, |surface| surface.mesh.vertex_count())
     }
@@ -265,6 +284,8 @@ impl Work {
             settings: self.settings.clone(),
             layers: self.layers.clone(),
             edits: self.cones.edits.clone(),
+            path: self.cones.path.clone(),
+            cone_comparison: self.cones.comparison.clone(),
             pending: self.pending,
             symmetries: self.symmetries.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),
@@ -276,6 +297,7 @@ impl Work {
             seam_allowances: self.seam_allowances.clone(),
             log: Log::default(),
             was_running: false,
+            was_folded: self.fold.is_some(),
         }
     }
 

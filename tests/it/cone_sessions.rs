@@ -245,6 +245,49 @@ fn the_greedy_baseline_is_worse_at_more_angle_or_more_distortion() {
     assert!(rows.iter().all(|row| row.chart_angle.is_some_and(|x| x >= 1.0)));
 }
 
+fn known_path(events: &[Event]) -> Option<(usize, bool)> {
+    events.iter().rev().find_map(|event| match event {
+        Event::ConePath { points, is_complete } => Some((points.len(), *is_complete)),
+        _ => None,
+    })
+}
+
+fn compared(events: &[Event]) -> Option<usize> {
+    events.iter().rev().find_map(|event| match event {
+        Event::ConeComparison { rows } => Some(rows.len()),
+        _ => None,
+    })
+}
+
+#[test]
+fn undo_brings_the_path_and_the_comparison_of_the_cones_back() {
+    let (mut session, _) = solved("plush_bear");
+    let mut events = session.handle(Command::TracePath);
+    events.extend(run(&mut session));
+    let path = known_path(&events).unwrap();
+    assert!(path.0 > 3 && path.1, "{path:?}");
+    let mut events = session.handle(Command::CompareCones);
+    events.extend(run(&mut session));
+    assert_eq!(compared(&events), Some(3));
+    // Another price is another choice along the same path; other bounds are another problem.
+    for (id, value, is_same_problem) in
+        [("lambda", Value::Number(0.02), true), ("bounds", Value::Text("quarter".into()), false)]
+    {
+        let mut events = set(&mut session, id, value);
+        events.extend(run(&mut session));
+        assert!(errors(&events).is_empty(), "{id}: {:?}", errors(&events));
+        let report = session.cones_report(None).unwrap();
+        assert!(report.comparison.is_empty(), "{id}: of other cones");
+        assert_eq!(!report.path.is_empty(), is_same_problem, "{id}");
+        let mut events = session.handle(Command::Undo);
+        events.extend(run(&mut session));
+        assert_eq!(known_path(&events), Some(path), "{id}");
+        assert_eq!(compared(&events), Some(3), "{id}");
+        let report = session.cones_report(None).unwrap();
+        assert_eq!((report.path.len(), report.comparison.len()), (path.0, 3), "{id}");
+    }
+}
+
 #[test]
 fn places_painted_as_forbidden_hold_no_cones_and_important_ones_less_distortion() {
     let (mut session, events) = solved("plush_bear");
@@ -276,6 +319,27 @@ fn a_file_of_cones_is_used_as_it_is() {
     let mut other = Session::new();
     other.handle(Command::OpenSample { name: "ball".into() });
     assert_eq!(errors(&other.open("cones.json", &bytes)).len(), 1);
+}
+
+#[test]
+fn a_file_of_no_cones_is_read_where_it_was_written() {
+    // Convex everywhere: none are chosen, though a surface like that cannot be without.
+    let (mut session, events) = solved("ball");
+    assert!(cones(&events).cones.is_empty());
+    let bytes = session.export("Cones (JSON)").unwrap().bytes;
+    let own = session.export("Cut (JSON)").unwrap();
+    let mut events = session.open("cones.json", &bytes);
+    events.extend(run(&mut session));
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    assert!(cones(&events).cones.is_empty());
+    assert_eq!(session.export("Cones (JSON)").unwrap().bytes, bytes);
+    assert_eq!(session.export("Cut (JSON)").unwrap(), own);
+    // Elsewhere they have to add up.
+    let (mut bear, _) = solved("plush_bear");
+    let text = String::from_utf8(bear.export("Cones (JSON)").unwrap().bytes).unwrap();
+    let start = text.find("\"cones\":").unwrap();
+    let empty = format!("{}\"cones\": []}}", &text[..start]);
+    assert_eq!(errors(&bear.open("cones.json", empty.as_bytes())).len(), 1);
 }
 
 #[test]

@@ -197,3 +197,53 @@ fn a_project_that_is_cut_off_anywhere_is_refused_in_words() {
         assert_eq!(session.digest(), before, "{length} of {end} bytes");
     }
 }
+
+#[test]
+fn what_was_done_after_a_step_that_failed_is_done_again() {
+    let mut session = Session::new();
+    session.open("two.obj", b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+    // Two triangles cannot become fewer: the tool says so, and changes nothing.
+    let values = [("faces".to_owned(), 4.0)].into();
+    session.handle(Command::Prepare { tool: "decimate".into(), values });
+    let mut told = Vec::new();
+    while session.is_running() {
+        told.extend(session.advance(&mut || true));
+    }
+    assert!(told.iter().any(|event| matches!(event, Event::Error { .. })), "{told:?}");
+    set(&mut session, "size", Value::Number(123.0));
+    let project = session.export(PROJECT).unwrap().bytes;
+    let mut again = Session::new();
+    again.open("a-project.json", &project);
+    while again.is_running() {
+        again.advance(&mut || true);
+    }
+    assert_eq!(again.digests(), session.digests());
+}
+
+#[test]
+fn what_a_refused_command_put_an_end_to_is_at_an_end_in_a_replay_too() {
+    let start = || {
+        let mut session = Session::new();
+        session.handle(Command::OpenSample { name: "ball".into() });
+        session
+    };
+    // A mesh that was being made anew.
+    let mut session = start();
+    let values =
+        [("edge".to_owned(), 2.0), ("adaptivity".to_owned(), 0.0), ("crease".to_owned(), 40.0)];
+    session.handle(Command::Prepare { tool: "remesh".into(), values: values.into() });
+    run(&mut session, 1);
+    session.handle(Command::OpenSample { name: "nothing of that name".into() });
+    session.handle(Command::Run);
+    run(&mut session, 3);
+    session.handle(Command::Pause);
+    assert_same(&mut session, &["Mesh (OBJ)", "Cut (JSON)"]);
+    // A stroke.
+    let mut session = start();
+    let (face, place) = (0, [0.0, 1.0, 0.0]);
+    let channel = "region".into();
+    session.handle(Command::Paint { channel, face, place, radius: 0.7, value: 1.0, begins: true });
+    session.handle(Command::ApplyPreset { id: "nothing of that name".into() });
+    run(&mut session, 3);
+    assert_same(&mut session, &["Cut (JSON)"]);
+}

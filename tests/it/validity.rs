@@ -16,8 +16,14 @@ pub fn charted(places: &[Point2<f64>], triangles: &[[u32; 3]]) -> (OpenedMesh, F
     let opened = CutMesh::uncut(&mesh).open().unwrap();
     let charts = rims(&opened);
     let u = vec![0.0; places.len()];
-    let flattening =
-        Flattening { charts, uv: places.to_vec(), u, seams_equal: true, angles_exact: true };
+    let flattening = Flattening {
+        charts,
+        uv: places.to_vec(),
+        u,
+        seams_equal: true,
+        angles_exact: true,
+        residual: 0.0,
+    };
     (opened, flattening)
 }
 

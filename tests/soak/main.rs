@@ -1,4 +1,4 @@
-//! The long run: `cargo xtask soak`. What the short tests of `tests/it/hard` do, for as long as asked; prints what was done and what was found.
+//! The long run: `cargo xtask soak`. What the short tests of `tests/it/hard` do, as often as asked; prints what was done and what was found.
 
 #![allow(
     clippy::unwrap_used,
@@ -16,7 +16,7 @@ mod mutation;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use hard::fuzzing::{HELD, PEAK};
 use hard::{cycles, degenerate, fuzzing, sequences};
@@ -59,18 +59,26 @@ static ALLOCATOR: Counting = Counting;
 
 /// What is asked for on the command line.
 struct Asked {
-    minutes: f64,
+    /// Damaged files, over all readers.
+    executions: u64,
+    /// Sequences of commands.
+    sequences: u64,
+    /// Loads, runs and resets.
+    cycles: usize,
     seed: u64,
     only: Option<String>,
 }
 
 fn asked() -> Asked {
-    let mut asked = Asked { minutes: 60.0, seed: 1, only: None };
+    let mut asked =
+        Asked { executions: 10_000_000, sequences: 10_000, cycles: 1000, seed: 1, only: None };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().unwrap_or_else(|| panic!("{word} needs a value after it"));
         match word.as_str() {
-            "--minutes" => asked.minutes = value().parse().expect("a number of minutes"),
+            "--executions" => asked.executions = value().parse().expect("a whole number"),
+            "--sequences" => asked.sequences = value().parse().expect("a whole number"),
+            "--cycles" => asked.cycles = value().parse().expect("a whole number"),
             "--seed" => asked.seed = value().parse().expect("a whole number"),
             "--only" => asked.only = Some(value()),
             // Cargo says this to everything that it runs.
@@ -80,6 +88,9 @@ fn asked() -> Asked {
     }
     asked
 }
+
+/// Actions of a sequence.
+const ACTIONS: usize = 25;
 
 /// Findings are told at once and counted.
 #[derive(Default)]
@@ -103,54 +114,61 @@ fn main() {
         }
     }));
     let wants = |name: &str| asked.only.as_deref().is_none_or(|only| only == name);
-    let whole = Duration::from_secs_f64(60.0 * asked.minutes);
     let mut findings = Findings::default();
-    println!("soak: {} min, seed {}", asked.minutes, asked.seed);
+    let start = Instant::now();
+    let Asked { executions, sequences, cycles, seed, .. } = asked;
+    println!("soak: {executions} executions, {sequences} sequences, {cycles} cycles, seed {seed}");
     if wants("degenerate") {
-        for case in degenerate::cases(true) {
-            let start = Instant::now();
-            findings.put(degenerate::run(&case).map(|ends| {
-                println!("{:<24} {:>6.1} s  {ends}", case.name, start.elapsed().as_secs_f64());
-            }));
-        }
+        table(&mut findings);
     }
     if wants("cycles") {
-        memory(&mut findings);
+        memory(cycles, &mut findings);
     }
-    let start = Instant::now();
-    let left = whole.mul_f64(if asked.only.is_some() { 1.0 } else { 0.5 });
     if wants("fuzzing") {
-        fuzz(start, left, asked.seed, &mut findings);
+        fuzz(executions, seed, &mut findings);
     }
     if wants("sequences") {
-        orders(Instant::now(), left, asked.seed, &mut findings);
+        orders(sequences, seed, &mut findings);
     }
-    println!("findings: {}", findings.0);
+    println!("findings: {} in {:.0} s", findings.0, start.elapsed().as_secs_f64());
     if findings.0 > 0 {
         std::process::exit(1);
     }
 }
 
-/// All targets in turn, each for the same time.
-fn fuzz(start: Instant, time: Duration, seed: u64, findings: &mut Findings) {
+/// Surfaces that hardly are any, through every method.
+fn table(findings: &mut Findings) {
+    let (all, cases) = (Instant::now(), degenerate::cases(true));
+    for case in &cases {
+        let start = Instant::now();
+        findings.put(degenerate::run(case).map(|ends| {
+            println!("{:<36} {:>6.1} s  {ends}", case.name, start.elapsed().as_secs_f64());
+        }));
+    }
+    println!("degenerate: {} cases in {:.0} s", cases.len(), all.elapsed().as_secs_f64());
+}
+
+/// All targets in turn, each with its share of the executions.
+fn fuzz(executions: u64, seed: u64, findings: &mut Findings) {
+    let start = Instant::now();
     let mut targets = fuzzing::targets();
-    let slice = time.div_f64(targets.len() as f64);
+    let shares: u64 = targets.iter().map(|target| target.share).sum();
     for target in &mut targets {
         findings.put(target.prove());
         let (begin, before) = (Instant::now(), findings.0);
-        let mut number = seed.wrapping_mul(1 << 40);
-        // One fault is found again and again.
-        while begin.elapsed() < slice && findings.0 < before + 5 {
-            for _ in 0..if target.executions == 0 { 1 } else { 16 } {
-                findings.put(target.run(number));
-                number += 1;
+        let first = seed.wrapping_mul(1 << 40);
+        for number in 0..(executions * target.share).div_ceil(shares) {
+            findings.put(target.run(first.wrapping_add(number)));
+            // One fault is found again and again.
+            if findings.0 >= before + 5 {
+                break;
             }
         }
         let seconds = begin.elapsed().as_secs_f64();
         let (n, loaded) = (target.executions, target.loaded);
         let part = 100.0 * loaded as f64 / n as f64;
         println!(
-            "fuzz {:<14} {n:>10} executions, {:>8.0} /s, {part:.0} % read",
+            "fuzz {:<14} {n:>10} executions, {:>8.0} /s, {part:.0} % read, {seconds:.0} s",
             target.name,
             n as f64 / seconds
         );
@@ -159,29 +177,36 @@ fn fuzz(start: Instant, time: Duration, seed: u64, findings: &mut Findings) {
     println!("fuzz all            {all:>10} executions in {:.0} s", start.elapsed().as_secs_f64());
 }
 
-fn orders(start: Instant, time: Duration, seed: u64, findings: &mut Findings) {
+fn orders(sequences: u64, seed: u64, findings: &mut Findings) {
+    let start = Instant::now();
     let mut counts = sequences::Counts::default();
-    let mut number = seed.wrapping_mul(1 << 40);
+    let first = seed.wrapping_mul(1 << 40);
     let (mut slowest, before) = ((0.0, 0), findings.0);
-    while start.elapsed() < time && findings.0 < before + 40 {
+    for number in 0..sequences {
+        let number = first.wrapping_add(number);
         let begin = Instant::now();
-        findings.put(sequences::run(number, 25, &mut counts));
+        findings.put(sequences::run(number, ACTIONS, &mut counts));
         let seconds = begin.elapsed().as_secs_f64();
         if seconds > slowest.0 {
             slowest = (seconds, number);
         }
-        number += 1;
+        if findings.0 >= before + 40 {
+            break;
+        }
     }
     println!("{counts:#?}\nslowest sequence: {} in {:.1} s", slowest.1, slowest.0);
+    println!("sequences: {} in {:.0} s", counts.sequences, start.elapsed().as_secs_f64());
 }
 
-/// A thousand cycles; the memory after the first hundred is what it may go on with.
-fn memory(findings: &mut Findings) {
+/// Many cycles; the memory after the first tenth is what it may go on with.
+fn memory(cycles: usize, findings: &mut Findings) {
+    let start = Instant::now();
     let mut session = cutflow::session::Session::new();
     let mut marks = Vec::new();
-    for number in 0..=1000 {
+    let tenth = cycles.div_ceil(10).max(1);
+    for number in 1..=cycles {
         cycles::cycle(&mut session, number);
-        if number % 100 == 0 && number > 0 {
+        if number % tenth == 0 {
             let resident = cycles::resident().unwrap_or(0);
             let held = HELD.load(Ordering::Relaxed);
             println!(
@@ -192,9 +217,10 @@ fn memory(findings: &mut Findings) {
             marks.push(resident);
         }
     }
-    let (first, last) = (marks[0] as f64, marks[marks.len() - 1] as f64);
-    println!("memory grew by {:.1} %", 100.0 * (last / first - 1.0));
-    if last > 1.05 * first {
+    let [Some(&first), Some(&last)] = [marks.first(), marks.last()] else { return };
+    let growth = 100.0 * (last as f64 / first as f64 - 1.0);
+    println!("memory grew by {growth:.1} % in {:.0} s", start.elapsed().as_secs_f64());
+    if growth > 5.0 {
         findings.put(Err(format!("memory grew from {first} to {last} bytes")));
     }
 }

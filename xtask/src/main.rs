@@ -43,7 +43,7 @@ cargo xtask COMMAND
   dist  [--out DIR]           a static folder (default: dist) that works from any path of any static host
   bench [--quick] [--json FILE]
                               the figures, as ratios, natively and in wasm, and the sizes of the wasm files
-  soak  [--minutes N] [--seed S] [--only degenerate|cycles|fuzzing|sequences]
+  soak  [--executions N] [--sequences N] [--cycles N] [--seed S] [--only degenerate|cycles|fuzzing|sequences]
                               hard use for an hour or so long: commands in any order, damaged files, surfaces that
                               hardly are any, a thousand runs in one session; prints what was done and what was found
   help                        this text

@@ -1,31 +1,28 @@
-//! `cargo xtask soak`: hard use for as long as asked.
+//! `cargo xtask soak`: hard use, as often as asked.
 
 use anyhow::{Context, Result};
 
 use crate::args::Args;
 use crate::process;
 
-/// Minutes, where nobody says how many.
-const MINUTES: f64 = 60.0;
+/// What may be told to the harness, beside the part that is wanted.
+const NUMBERS: [&str; 4] = ["--executions", "--sequences", "--cycles", "--seed"];
 
-/// Runs the harness of `tests/soak` natively. In the dev profile, whose engine is optimised and still checks sums for overflow.
+/// Runs the harness of `tests/soak` natively, in a profile of release speed that still checks sums for overflow.
 pub fn soak(mut args: Args) -> Result<()> {
-    let number = |args: &mut Args, name: &str| -> Result<Option<f64>> {
-        let Some(word) = args.value(name)? else { return Ok(None) };
-        let value = word.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
-        value.map(Some).with_context(|| format!("{name} {word}: not a number from 0 on"))
-    };
-    let minutes = number(&mut args, "--minutes")?.unwrap_or(MINUTES);
-    let seed = args.value("--seed")?.unwrap_or_else(|| "1".into());
-    seed.parse::<u64>().with_context(|| format!("--seed {seed}: not a whole number"))?;
-    let only = args.value("--only")?;
+    let mut told = Vec::new();
+    for name in NUMBERS {
+        if let Some(word) = args.value(name)? {
+            word.parse::<u64>().with_context(|| format!("{name} {word}: not a whole number"))?;
+            told.extend([name.to_owned(), word]);
+        }
+    }
+    if let Some(part) = args.value("--only")? {
+        told.extend(["--only".into(), part]);
+    }
     args.finish()?;
     let mut cargo = process::cargo("bench");
-    cargo.args(["--bench", "soak", "--profile", "dev", "--"]);
-    cargo.args(["--minutes", &minutes.to_string(), "--seed", &seed]);
-    if let Some(part) = only {
-        cargo.args(["--only", &part]);
-    }
+    cargo.args(["--bench", "soak", "--profile", "soak", "--"]).args(told);
     process::run(&mut cargo)
 }
 
@@ -40,8 +37,8 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_are_refused_before_anything_is_built() {
-        assert!(refused("--minutes soon").contains("--minutes soon"));
-        assert!(refused("--minutes -1").contains("--minutes"));
+        assert!(refused("--executions many").contains("--executions many"));
+        assert!(refused("--sequences -1").contains("--sequences"));
         assert!(refused("--seed x").contains("--seed x"));
         assert!(refused("--hours 3").contains("--hours"));
     }

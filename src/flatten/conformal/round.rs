@@ -211,6 +211,8 @@ impl Round {
                 u,
                 seams_equal: false,
                 angles_exact: !self.by_patch,
+                // The errors of angles are what is told.
+                residual: 0.0,
             },
             surface: self.surface.clone(),
         };

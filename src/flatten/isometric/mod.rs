@@ -228,7 +228,8 @@ impl IsometricFlow {
         let uv: Vec<_> = self.opened.mesh.vertices().map(|v| self.state.place(v)).collect();
         let u = log_scales(&self.opened, &self.geometry, &uv);
         let seams_equal = super::fixed::seam_difference(&self.opened, &uv) < 1e-9;
-        Flattening { charts: self.charts.clone(), uv, u, seams_equal, angles_exact: false }
+        let (charts, residual) = (self.charts.clone(), self.progress.residual);
+        Flattening { charts, uv, u, seams_equal, angles_exact: false, residual }
     }
 
     /// What is needed to go on from here.

@@ -74,6 +74,8 @@ pub struct InteriorSystem<'a> {
     /// Rows that are joined to the rim, the vertex there, and the weight.
     at_rim: Vec<(u32, u32, f64)>,
     factor: Option<Factor>,
+    values: Vec<f64>,
+    residual: f64,
 }
 
 impl<'a> InteriorSystem<'a> {
@@ -93,7 +95,7 @@ impl<'a> InteriorSystem<'a> {
             }
         }
         let mut at_rim = Vec::new();
-        let mut factor = None;
+        let (mut factor, mut kept) = (None, Vec::new());
         if count > 0 {
             let mut pairs = Vec::with_capacity(3 * count);
             let mut weights = Vec::with_capacity(3 * count);
@@ -127,8 +129,19 @@ impl<'a> InteriorSystem<'a> {
                 values[pattern.diagonal(row)] = weight;
             }
             factor = Some(Factor::new(Arc::new(Analysis::new(pattern)?), &values)?);
+            kept = values;
         }
-        Ok(Self { patch, geometry, stiffness, rows, count, at_rim, factor })
+        Ok(Self {
+            patch,
+            geometry,
+            stiffness,
+            rows,
+            count,
+            at_rim,
+            factor,
+            values: kept,
+            residual: 0.0,
+        })
     }
 
     /// Places off the rim for the given right-hand side without what the rim adds, one column for each coordinate.
@@ -139,7 +152,7 @@ impl<'a> InteriorSystem<'a> {
             x[n + row as usize] += weight * places[rim as usize].y;
         }
         let Some(factor) = &mut self.factor else { return };
-        factor.solve(x, 2);
+        self.residual = factor.solve_measured(&self.values, x, 2);
         for (&row, place) in self.rows.iter().zip(places) {
             if row != NONE {
                 *place = Point2::new(x[row as usize], x[n + row as usize]);
@@ -153,6 +166,11 @@ impl<'a> InteriorSystem<'a> {
     pub fn fill(&mut self, places: &mut [Point2<f64>]) {
         let mut x = vec![0.0; 2 * self.count];
         self.solve(places, &mut x);
+    }
+
+    /// Relative residual of the last solve; 0 before the first and without unknowns.
+    pub fn residual(&self) -> f64 {
+        self.residual
     }
 
     /// Local/global steps towards true lengths from a map that is there. **Costs** a solve of two columns for each.

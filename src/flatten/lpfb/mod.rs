@@ -111,7 +111,10 @@ pub fn lpfb_with(
     for (patch, chart) in charts.iter_mut().enumerate() {
         if chart.is_ok() && map.interiors[patch].is_none() {
             let face = opened.face_patches.iter().position(|&p| p as usize == patch).unwrap_or(0);
-            *chart = Err(NoChart::Degenerate { face: FaceId::from(face) });
+            *chart = Err(match map.singular[patch] {
+                Some(vertex) => NoChart::Singular { vertex },
+                None => NoChart::Degenerate { face: FaceId::from(face) },
+            });
         }
     }
     let uv: Vec<Point2<f64>> = mesh
@@ -127,7 +130,8 @@ pub fn lpfb_with(
         report.certify(opened, geometry, &uv);
     }
     let u = log_scales(opened, geometry, &uv);
-    Ok((Flattening { charts, uv, u, seams_equal: true, angles_exact: false }, reports))
+    let residual = map.residual;
+    Ok((Flattening { charts, uv, u, seams_equal: true, angles_exact: false, residual }, reports))
 }
 
 /// Why a patch that virtual cuts cannot open has no chart.

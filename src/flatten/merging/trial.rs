@@ -22,6 +22,9 @@ const FLAT: f64 = 1e-9;
 /// Iterations for a boundary. A hemisphere takes 11; what takes more has no chart within any limit worth its while, and may take hundreds.
 const EASY: usize = 30;
 
+/// Relative residual of the inside beyond which a map is not to be trusted: good triangles leave 1e-13.
+const WORST_RESIDUAL: f64 = 1e-6;
+
 /// Longest dart, in roots of its patch's area.
 const DART_LENGTH: f64 = 0.4;
 
@@ -284,6 +287,9 @@ impl Bench {
         let is_refined = limits.rigid_steps > 0 && change <= limits.area * hope;
         if is_refined {
             system.refine(&mut places, limits.rigid_steps);
+        }
+        if !(system.residual() <= WORST_RESIDUAL) {
+            return Err(Reject::Degenerate.into());
         }
         let measures = match harmonic {
             Some(measures) if !is_refined => measures,

@@ -311,5 +311,6 @@ fn carry(
         u,
         seams_equal: flattening.seams_equal,
         angles_exact: flattening.angles_exact,
+        residual: flattening.residual,
     }
 }

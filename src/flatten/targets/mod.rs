@@ -23,7 +23,7 @@ use nalgebra::Point2;
 use super::{Flattening, NoChart};
 use crate::geometry::Geometry;
 use crate::linalg::LinalgError;
-use crate::mesh::{FaceId, HalfedgeId, OpenedMesh, VertexId};
+use crate::mesh::{HalfedgeId, OpenedMesh, VertexId};
 use solver::System;
 
 pub use sphere::{SphereMap, flatten_sphere};
@@ -434,9 +434,4 @@ struct Shape {
     closing: f64,
     turned: f64,
     change: f64,
-}
-
-/// The first face at a vertex, for errors.
-fn face_at(opened: &OpenedMesh, v: VertexId) -> FaceId {
-    opened.mesh.outgoing(v).find_map(|h| opened.mesh.face(h)).unwrap_or(FaceId(0))
 }

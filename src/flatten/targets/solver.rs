@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Point2;
 
 use super::super::{NoChart, small};
-use super::{Effort, TargetError, face_at};
+use super::{Effort, TargetError};
 use crate::geometry::{Geometry, angle_defects};
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh, VertexId};
@@ -20,8 +20,6 @@ pub(super) struct System {
     rim_names: Vec<u32>,
     is_rim: Vec<bool>,
     faces: Vec<(FaceId, [u32; 3])>,
-    /// A face at each vertex, for errors.
-    some_face: Vec<FaceId>,
     edges: Vec<[u32; 2]>,
     weights: Vec<f64>,
     /// Ω inside, k on the rim.
@@ -81,7 +79,6 @@ impl System {
         Ok(Self {
             rim_lengths: rim.iter().map(|h| geometry.edge_length(h.edge())).collect(),
             curvatures: vertices.iter().map(|v| defects[v.index()]).collect(),
-            some_face: vertices.iter().map(|&v| face_at(opened, v)).collect(),
             vertices,
             rim,
             effort: Effort::default(),
@@ -261,7 +258,7 @@ impl System {
         let analysis = Arc::new(Analysis::new(pattern)?);
         Factor::new(analysis, &values).map_err(|error| match error {
             LinalgError::NotPositiveDefinite { row } => {
-                NoChart::Degenerate { face: self.some_face[row] }.into()
+                NoChart::Singular { vertex: self.vertices[row] }.into()
             }
             error => error.into(),
         })

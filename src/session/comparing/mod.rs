@@ -17,7 +17,7 @@ mod table;
 
 use super::message::{Command, Event, File};
 use super::method::Method;
-use super::project::Log;
+use super::project::{Entry, Log};
 use super::text::Problem;
 use super::work::{Snapshot, Work, stem};
 use super::{Session, nothing_open};
@@ -239,6 +239,10 @@ impl Session {
             old.cones = super::cones::Cones::default();
         }
         self.log = snapshot.log.clone();
+        if snapshot.was_folded {
+            // It is shown flat.
+            self.log.push(Entry::Do(Command::Unfold));
+        }
         let allowances = snapshot.seam_allowances;
         self.field = work.method.first_field().into();
         self.wanted_method = work.method;

@@ -309,6 +309,11 @@ impl Session {
         events.push(Event::Scene);
     }
 
+    /// What was done to the document; while a comparison runs to the one that is put aside.
+    pub(in super::super) fn document_log(&self) -> &Log {
+        self.comparing.queue.as_ref().map_or(&self.log, |queue| &queue.aside.log)
+    }
+
     /// No more runs: the document comes back as it was.
     pub(in super::super) fn end_comparison(&mut self, events: &mut Vec<Event>) {
         let Some(queue) = self.comparing.queue.take() else { return };

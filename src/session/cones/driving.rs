@@ -231,6 +231,10 @@ impl Session {
             events.push(self.parameters());
         }
         events.extend(self.cones_event());
+        // Undo brings back what they were compared with; it is shown beside the cones that it belongs to.
+        if let Some(work) = self.work.as_ref().filter(|work| !work.cones.comparison.is_empty()) {
+            events.push(Event::ConeComparison { rows: work.cones.comparison.clone() });
+        }
     }
 
     /// The problem has changed: solve when there is time.

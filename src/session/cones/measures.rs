@@ -23,13 +23,7 @@ pub fn of_optimum(
     let is_over = flow.status() != Status::Running;
     if state.is_convex {
         // A cone at every vertex says nothing: cones are left to those who want some.
-        return Ok(ConeSet {
-            cones: Vec::new(),
-            u: vec![0.0; state.u.len()],
-            int_u2: 0.0,
-            total_angle: 0.0,
-            change: None,
-        });
+        return Ok(none(flow));
     }
     let (optimum, corners, best_u) = (state.cones.clone(), state.corners.clone(), state.u.clone());
     let (best_int_u2, best_angle) = (state.int_u2, state.total_angle);
@@ -82,8 +76,17 @@ pub fn of_optimum(
     Ok(set)
 }
 
-/// Any cones with the scale factors that belong to them.
+/// No cones: all curvature stays where it is.
+fn none(flow: &ConeFlow) -> ConeSet {
+    let u = vec![0.0; flow.state().u.len()];
+    ConeSet { cones: Vec::new(), u, int_u2: 0.0, total_angle: 0.0, change: None }
+}
+
+/// Any cones with the scale factors that belong to them. None on a convex surface are those of its optimum.
 pub fn evaluated(flow: &mut ConeFlow, used: Vec<UsedCone>) -> Result<ConeSet, SolveError> {
+    if used.is_empty() && flow.state().is_convex {
+        return Ok(none(flow));
+    }
     let cones: Vec<Cone> = used.iter().map(|used| used.cone).collect();
     let found = flow.evaluate(&cones)?;
     Ok(ConeSet {

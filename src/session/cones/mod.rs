@@ -22,16 +22,14 @@ use super::inputs::Layers;
 use super::params::Settings;
 use super::surface::Surface;
 use super::text::Problem;
-use crate::methods::cones::{
-    Cone, ConeFields, ConeFlow, ConeParams, ConeState, ConeTarget, PathPoint,
-};
+use crate::methods::cones::{Cone, ConeFields, ConeFlow, ConeParams, ConeState, ConeTarget};
 use crate::methods::flow::{Flow, Status};
 
 use edits::{cone_problem, too_large};
 
 pub use edits::Edits;
 pub use file::is_cones_file;
-pub use path::Tracing;
+pub use path::{KnownPath, Tracing};
 pub use report::{ConeReport, ConesReport, RoundedReport};
 pub use specs::specs;
 pub use table::{ConeComparisonRow, ConePathPoint, ConeRow, ConeTable};
@@ -47,10 +45,8 @@ pub struct Cones {
     pub edits: Edits,
     /// The cones as they are used; none before the first solution.
     pub set: Option<ConeSet>,
-    /// The optimum over λ as far as it is known, λ descending.
-    pub path: Vec<PathPoint>,
-    /// Whether that is all of it.
-    pub is_path_whole: bool,
+    /// The optimum over λ as far as it is known.
+    pub path: KnownPath,
     /// The sampling of the path that is going on.
     pub tracing: Option<Tracing>,
     /// Other choices of as many cones.
@@ -156,7 +152,7 @@ impl Cones {
 
     /// Whether a path is known or being sampled.
     pub fn has_path(&self) -> bool {
-        self.tracing.is_some() || !self.path.is_empty()
+        self.tracing.is_some() || self.path.len() > 0
     }
 
     /// How the solver stands.
@@ -178,8 +174,10 @@ impl Cones {
     pub fn keep_solver(&mut self, mut old: Self) {
         old.abandon_path();
         self.solver = old.solver;
-        self.path = old.path;
-        self.is_path_whole = old.is_path_whole;
+        if self.path.len() == 0 {
+            // It is forgotten with the next solution, if it is of another problem.
+            self.path = old.path;
+        }
         self.set = old.set;
         self.optimum = old.optimum;
     }
@@ -198,7 +196,6 @@ impl Cones {
         solver.flow.set_fields(fields).map_err(|error| cone_problem(surface, &error))?;
         solver.fields = fields.clone();
         solver.target = None;
-        self.forget_path();
         Ok(())
     }
 
@@ -245,13 +242,12 @@ impl Cones {
             let (mesh, geometry) = surface.given_or_mended();
             let flow = ConeFlow::new(mesh, geometry, &params, &fields).map_err(wrong)?;
             self.solver = Some(Solver { flow, params, fields: fields.clone(), target: None });
-            self.forget_path();
-        } else if !is_same {
-            if let Some(solver) = &mut self.solver {
-                solver.flow.set_params(&params).map_err(wrong)?;
-                solver.params = params;
-                solver.target = None;
-            }
+        } else if !is_same && let Some(solver) = &mut self.solver {
+            solver.flow.set_params(&params).map_err(wrong)?;
+            solver.params = params;
+            solver.target = None;
+        }
+        if !self.path.is_of(&params, &fields) {
             self.forget_path();
         }
         self.try_fields(surface, &fields)?;

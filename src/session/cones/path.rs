@@ -1,9 +1,11 @@
 //! The optimum as a function of λ, sampled while there is time.
 
+use std::rc::Rc;
+
 use super::super::message::Event;
 use super::Cones;
 use super::table::ConePathPoint;
-use crate::methods::cones::{ConePath, PathPoint};
+use crate::methods::cones::{ConeFields, ConeParams, ConePath, PathPoint};
 use crate::methods::flow::SolveError;
 
 /// The prices of the plot go down to this part of the largest that matters: below it hundreds of vertices are cones, and each sample costs more
@@ -18,20 +20,45 @@ pub struct Tracing {
     path: ConePath,
 }
 
+/// The optimum over λ as far as it is known. Undo keeps it: clones share the problem.
+#[derive(Clone, Default)]
+pub struct KnownPath {
+    /// λ descending.
+    points: Vec<PathPoint>,
+    /// Whether that is all of it.
+    is_whole: bool,
+    /// What it was sampled for; λ itself does not count.
+    problem: Option<Rc<(ConeParams, ConeFields)>>,
+}
+
+impl KnownPath {
+    /// Whether it holds for a problem; what holds nothing does.
+    pub fn is_of(&self, params: &ConeParams, fields: &ConeFields) -> bool {
+        self.problem.as_ref().is_none_or(|problem| {
+            let (own, own_fields) = &**problem;
+            ConeParams { lambda: params.lambda, ..*own } == *params && own_fields == fields
+        })
+    }
+
+    /// How many points it has.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+}
+
 impl Cones {
     /// Begins to sample the path.
     pub fn begin_path(&mut self) {
         // Both numbers are within their ranges.
         self.tracing = ConePath::new(SAMPLES, LOWEST, MOST_CONES).ok().map(|path| Tracing { path });
-        self.path.clear();
-        self.is_path_whole = false;
+        let problem = self.solver.as_ref().map(|s| Rc::new((s.params, s.fields.clone())));
+        self.path = KnownPath { problem, ..KnownPath::default() };
     }
 
     /// The path belongs to another problem.
     pub fn forget_path(&mut self) {
         self.abandon_path();
-        self.path.clear();
-        self.is_path_whole = false;
+        self.path = KnownPath::default();
     }
 
     /// Ends a sampling that goes on; the solver is where it was.
@@ -52,11 +79,11 @@ impl Cones {
         let points = tracing.path.points();
         let is_news = points.len() != before || !goes_on;
         if is_news {
-            self.path = points.to_vec();
+            self.path.points = points.to_vec();
         }
         if !goes_on {
             self.tracing = None;
-            self.is_path_whole = true;
+            self.path.is_whole = true;
         }
         Ok(is_news)
     }
@@ -69,11 +96,11 @@ impl Cones {
             total_angle: p.total_angle,
             int_u2: p.int_u2,
         };
-        self.path.iter().map(point).collect()
+        self.path.points.iter().map(point).collect()
     }
 
     /// The same for the page.
     pub fn path_event(&self) -> Event {
-        Event::ConePath { points: self.path_points(), is_complete: self.is_path_whole }
+        Event::ConePath { points: self.path_points(), is_complete: self.path.is_whole }
     }
 }

@@ -1,5 +1,8 @@
 //! Files of patterns, and of meshes with UV maps.
 
+use std::rc::Rc;
+
+use super::super::layout::Layout;
 use super::super::message::File;
 use super::super::params::{Settings, whole};
 use super::super::text::Problem;
@@ -78,10 +81,8 @@ fn pixels(settings: &Settings) -> u32 {
     settings.text("uv_pixels").parse().unwrap_or(1024)
 }
 
-/// The charts in the unit square, with a margin that is kept in pixels. Where they lie on the screen is of no account: equal cuts give equal
-/// files.
-pub(in super::super) fn uv_charts(work: &Work) -> Result<Vec<[f64; 2]>, Problem> {
-    let layout = work.layout.as_ref().ok_or_else(nothing_open)?;
+/// The outlines of all charts.
+fn chart_shapes(layout: &Layout) -> Vec<NestShape> {
     let opened = &layout.opened;
     let uv = &layout.flattening.uv;
     let mut shapes = vec![NestShape::default(); opened.patch_count];
@@ -108,20 +109,34 @@ pub(in super::super) fn uv_charts(work: &Work) -> Result<Vec<[f64; 2]>, Problem>
         };
         shape.outlines.sort_by(|a, b| area(b).total_cmp(&area(a)));
     }
-    let params = UvPackParams {
-        pixels: pixels(&work.settings),
-        margin_px: u32::try_from(whole(work.settings.number("uv_margin"))).unwrap_or(8),
-        ..UvPackParams::default()
-    };
-    let packing =
-        pack_uv(&shapes, &params).map_err(|error| Problem::solve(&work.document.name, &error))?;
-    let place = |(v, &patch): (usize, &u32)| {
-        packing.apply(patch as usize, [uv[v].x, uv[v].y]).map(|x| x / packing.scale)
-    };
-    Ok(layout.vertex_patches.iter().enumerate().map(place).collect())
+    shapes
 }
 
 impl Work {
+    /// The charts in the unit square, with a margin that is kept in pixels. Where they lie on the screen is of no account: equal cuts give equal
+    /// files. Several files of a layout share one packing, which takes seconds.
+    pub(super) fn uv_charts(&mut self) -> Result<Rc<Vec<[f64; 2]>>, Problem> {
+        let layout = self.layout.as_mut().ok_or_else(nothing_open)?;
+        let params = UvPackParams {
+            pixels: pixels(&self.settings),
+            margin_px: u32::try_from(whole(self.settings.number("uv_margin"))).unwrap_or(8),
+            ..UvPackParams::default()
+        };
+        if let Some((_, charts)) = layout.uv.as_ref().filter(|(known, _)| *known == params) {
+            return Ok(charts.clone());
+        }
+        let packing = pack_uv(&chart_shapes(layout), &params)
+            .map_err(|error| Problem::solve(&self.document.name, &error))?;
+        let uv = &layout.flattening.uv;
+        let place = |(v, &patch): (usize, &u32)| {
+            packing.apply(patch as usize, [uv[v].x, uv[v].y]).map(|x| x / packing.scale)
+        };
+        let charts: Rc<Vec<[f64; 2]>> =
+            Rc::new(layout.vertex_patches.iter().enumerate().map(place).collect());
+        layout.uv = Some((params, charts.clone()));
+        Ok(charts)
+    }
+
     /// A drawing of the pattern, a mesh with its UV map, or a picture; none for other kinds.
     pub(in super::super) fn pattern_export(&mut self, kind: &str) -> Option<Result<File, Problem>> {
         if let Some(which) =
@@ -170,7 +185,7 @@ impl Work {
     }
 
     fn uv_mesh(&mut self, kind: &str) -> Result<Vec<u8>, Problem> {
-        let charts = uv_charts(self)?;
+        let charts = self.uv_charts()?;
         let document = &*self.document;
         let given = document.surface()?;
         let layout = self.layout.as_ref().ok_or_else(nothing_open)?;
@@ -212,7 +227,7 @@ impl Work {
     }
 
     fn flat_mesh(&mut self) -> Result<Vec<u8>, Problem> {
-        let charts = uv_charts(self)?;
+        let charts = self.uv_charts()?;
         let document = &*self.document;
         let given = document.surface()?;
         let layout = self.layout.as_ref().ok_or_else(nothing_open)?;

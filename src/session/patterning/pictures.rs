@@ -7,7 +7,7 @@ use super::super::scene::PALETTE;
 use super::super::text::Problem;
 use super::super::work::{Work, stem};
 use super::super::{nothing_open, picture};
-use super::exports::{too_large, uv_charts};
+use super::exports::too_large;
 use crate::pattern::{self, Channels, Picture, PortraitParams, piece_name, portrait, side_by_side};
 
 /// Of each half of the picture on a cover, pixels: 50 mm at 300 dpi.
@@ -55,10 +55,10 @@ impl Work {
     }
 
     /// Pictures as PNG files: the surface from two sides, and all pieces.
-    pub(super) fn picture_files(&self) -> Result<[File; 2], Problem> {
+    pub(super) fn picture_files(&mut self) -> Result<[File; 2], Problem> {
         let surface = self.surface_picture(SURFACE).ok_or_else(nothing_open)?;
         let places: Vec<Point3<f64>> =
-            uv_charts(self)?.iter().map(|&[u, v]| Point3::new(u, v, 0.0)).collect();
+            self.uv_charts()?.iter().map(|&[u, v]| Point3::new(u, v, 0.0)).collect();
         let pieces =
             self.portrait(&places, PIECES, Vector3::z(), Vector3::y()).ok_or_else(nothing_open)?;
         Ok([self.png(&surface, "surface")?, self.png(&pieces, "pattern")?])

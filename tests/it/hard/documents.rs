@@ -152,7 +152,30 @@ pub fn fan() -> Shape {
     Shape::triangles(points, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]])
 }
 
-/// The documents that random commands are given to.
+/// The same kinds with some tens of triangles: sequences of commands on them take fractions of a second.
+pub fn tiny() -> Vec<(&'static str, Vec<u8>)> {
+    let wave = |x: f64, y: f64| [x, y, 0.15 * (TAU * x).sin() * (TAU * y).cos()];
+    let far = |p: [f64; 3]| [p[0] + 4.0, p[1], 0.7 * p[2]];
+    let thin = |p: [f64; 3]| [p[0], 0.05 * p[1], p[2]];
+    let parts = ball(1).with(&tube(4, 1).moved(far)).with(&triangle().moved(|p| [p[0], p[1], 9.0]));
+    vec![
+        ("ball.obj", ball(1).obj()),
+        ("triangle.obj", triangle().obj()),
+        ("two.obj", two_triangles().obj()),
+        ("tetrahedron.obj", tetrahedron().obj()),
+        ("sheet.obj", sheet(4, 3, wave).obj()),
+        ("flat.obj", sheet(3, 2, |x, y| [x, y, 0.0]).obj()),
+        ("tube.obj", tube(5, 2).obj()),
+        ("torus.obj", torus(5, 4).obj()),
+        ("plate.obj", plate(1).obj()),
+        ("parts.obj", parts.obj()),
+        ("thin.obj", ball(2).moved(thin).obj()),
+        ("finer.obj", ball(2).obj()),
+        ("fan.obj", fan().obj()),
+    ]
+}
+
+/// The documents that random commands are given to, now and then.
 pub fn small() -> Vec<(&'static str, Vec<u8>)> {
     let wave = |x: f64, y: f64| [x, y, 0.15 * (TAU * x).sin() * (TAU * y).cos()];
     let far = |p: [f64; 3]| [p[0] + 4.0, p[1], 0.7 * p[2]];
