@@ -27,7 +27,7 @@ use super::closing::{MAX_LOG_RATIO, Polygons, Turns};
 use super::{Flattening, NoChart, rims};
 use crate::geometry::{Geometry, angle_defects};
 use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
-use crate::mesh::{HalfedgeId, Mesh, OpenedMesh, VertexId};
+use crate::mesh::{EdgeId, HalfedgeId, Mesh, OpenedMesh, VertexId};
 
 /// Flattens every patch that is a disk, keeping the lengths of its rim as far as it can be closed (u = 0 on rims).
 ///
@@ -96,7 +96,7 @@ struct Problem<'a> {
     mesh: &'a Mesh,
     geometry: &'a Geometry,
     charts: Vec<Result<Vec<HalfedgeId>, NoChart>>,
-    vertex_patches: Vec<u32>,
+    vertex_patches: &'a [u32],
     roles: Vec<Role>,
     /// ½ (cot α + cot β) for each edge.
     edge_weights: Vec<f64>,
@@ -197,20 +197,24 @@ impl<'a> Problem<'a> {
                 values[pattern.diagonal(v.index())] += self.edge_weights[e];
             }
         }
-        self.for_rim_edges(|inside, _, weight| values[pattern.diagonal(inside.index())] += weight);
+        for (inside, _, weight) in self.rim_edges() {
+            values[pattern.diagonal(inside.index())] += weight;
+        }
         values
     }
 
-    /// Calls with every edge that joins an interior vertex to a rim vertex, and its weight.
-    fn for_rim_edges(&self, mut call: impl FnMut(VertexId, VertexId, f64)) {
-        for e in self.mesh.edges() {
+    /// Every edge that joins an interior vertex to a rim vertex, and its weight.
+    fn rim_edges(&self) -> Vec<(VertexId, VertexId, f64)> {
+        let edge = |e: EdgeId| {
             let [a, b] = self.mesh.edge_vertices(e);
+            let weight = self.edge_weights[e.index()];
             match (self.roles[a.index()], self.roles[b.index()]) {
-                (Role::Interior, Role::Rim) => call(a, b, self.edge_weights[e.index()]),
-                (Role::Rim, Role::Interior) => call(b, a, self.edge_weights[e.index()]),
-                _ => {}
+                (Role::Interior, Role::Rim) => Some((a, b, weight)),
+                (Role::Rim, Role::Interior) => Some((b, a, weight)),
+                _ => None,
             }
-        }
+        };
+        self.mesh.edges().filter_map(edge).collect()
     }
 
     /// Calls with every edge that joins two rim vertices, and its weight.
@@ -227,7 +231,7 @@ impl<'a> Problem<'a> {
     fn give_up(&mut self, v: VertexId) {
         let patch = self.vertex_patches[v.index()];
         self.charts[patch as usize] = Err(NoChart::Singular { vertex: v });
-        for (role, &p) in self.roles.iter_mut().zip(&self.vertex_patches) {
+        for (role, &p) in self.roles.iter_mut().zip(self.vertex_patches) {
             if p == patch {
                 *role = Role::Outside;
             }
@@ -254,25 +258,30 @@ impl<'a> Problem<'a> {
         for v in &inside {
             u[v.index()] = -curvatures[v.index()];
         }
-        self.for_rim_edges(|inside, rim, weight| u[inside.index()] += weight * self.given(rim));
+        let rim_edges = self.rim_edges();
+        for &(inside, rim, weight) in &rim_edges {
+            u[inside.index()] += weight * self.given(rim);
+        }
         solve(factor, &mut u, 1);
 
         let mut rim_curvatures = curvatures;
-        self.for_rim_edges(|inside, rim, weight| {
+        for &(inside, rim, weight) in &rim_edges {
             rim_curvatures[rim.index()] += weight * (self.given(rim) - u[inside.index()]);
-        });
-        self.for_edges_on_rims(|ends, weight| {
-            let flux = weight * (self.given(ends[0]) - self.given(ends[1]));
-            rim_curvatures[ends[0].index()] += flux;
-            rim_curvatures[ends[1].index()] -= flux;
-        });
+        }
+        if self.rim_u.is_some() {
+            self.for_edges_on_rims(|ends, weight| {
+                let flux = weight * (self.given(ends[0]) - self.given(ends[1]));
+                rim_curvatures[ends[0].index()] += flux;
+                rim_curvatures[ends[1].index()] -= flux;
+            });
+        }
         let Closed { places, seams_equal, angles_exact } = self.close_rims(&rim_curvatures)?;
 
         let mut coordinates = vec![0.0; 2 * rows];
-        self.for_rim_edges(|inside, rim, weight| {
+        for &(inside, rim, weight) in &rim_edges {
             coordinates[inside.index()] += weight * places[rim.index()].x;
             coordinates[rows + inside.index()] += weight * places[rim.index()].y;
-        });
+        }
         solve(factor, &mut coordinates, 2);
 
         let mut uv = places;

@@ -19,7 +19,7 @@ pub(super) struct Disks<'a> {
     pub opened: &'a OpenedMesh,
     pub geometry: &'a Geometry,
     pub charts: Vec<Result<Vec<HalfedgeId>, NoChart>>,
-    pub vertex_patches: Vec<u32>,
+    pub vertex_patches: &'a [u32],
 }
 
 impl<'a> Disks<'a> {

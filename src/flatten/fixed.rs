@@ -155,7 +155,7 @@ struct Problem<'a> {
     opened: &'a OpenedMesh,
     geometry: &'a Geometry,
     places: Vec<Complex<f64>>,
-    vertex_patches: Vec<u32>,
+    vertex_patches: &'a [u32],
     usable: Vec<bool>,
     /// Whether the place of each vertex is sought: off the rims of patches in use.
     unknown: Vec<bool>,

@@ -87,13 +87,14 @@ pub fn measure(opened: &OpenedMesh, geometry: &Geometry, flattening: &Flattening
         }
         let places = face_places(opened, &flattening.uv, face);
         let map = FaceMap::new(opened, geometry, face, places);
+        let distortion = map.distortion();
         if map.area > 0.0 {
-            face_angle_distortions[face.index()] = map.angle_distortion();
-            face_log_scales[face.index()] = map.log_scale();
-            face_stretches[face.index()] = map.stretch_squared().sqrt();
-            face_symmetric_dirichlet[face.index()] = map.symmetric_dirichlet();
+            face_angle_distortions[face.index()] = distortion.angle;
+            face_log_scales[face.index()] = distortion.log_scale;
+            face_stretches[face.index()] = distortion.stretch_squared.sqrt();
+            face_symmetric_dirichlet[face.index()] = distortion.symmetric_dirichlet;
         }
-        sums[patch].add(&map);
+        sums[patch].add(&map, &distortion);
     }
     let mut totals = Sums::default();
     let charts = (0..patch_count)
@@ -156,7 +157,8 @@ pub fn overlaps_across(opened: &OpenedMesh, flattening: &Flattening, packing: &P
     let outlines: Vec<Vec<Point2<f64>>> = (0..flattening.charts.len())
         .map(|patch| {
             let mut outline = flattening.outline(opened, patch);
-            outline.iter_mut().for_each(|p| *p = packing.poses[patch].apply(*p));
+            let (turn, shift) = (packing.poses[patch].turn(), packing.poses[patch].shift);
+            outline.iter_mut().for_each(|p| *p = turn * *p + shift);
             outline
         })
         .collect();
@@ -210,17 +212,26 @@ impl FaceMap {
         [a, b, c]: [Point2<f64>; 3],
     ) -> Self {
         let sides = opened.mesh.face_halfedges(face).map(|h| geometry.edge_length(h.edge()));
-        let (sin, cos) = geometry.corner_angles[face.index()][0].sin_cos();
         let as_complex = |p: Point2<f64>| Complex::new(p.x - a.x, p.y - a.y);
-        // Corners of the face in its plane: 0, sides[0], sides[2] (cos, sin).
+        let area = geometry.face_areas[face.index()];
+        let longest = sides.iter().fold(0.0, |m: f64, &side| m.max(side));
+        // Corners of the face in its plane: 0, sides[0] and the third, by its angle where the face is so flat that its
+        // cotangents are not the true ones (see `Geometry::measure`).
+        let (x, y) = if area > FLAT * longest * longest {
+            let height = 2.0 * area / sides[0];
+            (geometry.corner_cotangents[face.index()][0] * height, height)
+        } else {
+            let (sin, cos) = geometry.corner_angles[face.index()][0].sin_cos();
+            (sides[2] * cos, sides[2] * sin)
+        };
         let f_x = as_complex(b) / sides[0];
-        let f_y = (as_complex(c) / sides[2] - f_x * cos) / sin;
+        let f_y = (as_complex(c) - f_x * x) / y;
         let rotated = Complex::new(-f_y.im, f_y.re);
         let doubled = orientation(a, b, c);
         Self {
-            area: geometry.face_areas[face.index()],
-            conformal: 0.5 * (f_x - rotated).norm(),
-            anticonformal: 0.5 * (f_x + rotated).norm(),
+            area,
+            conformal: 0.5 * (f_x - rotated).norm_sqr().sqrt(),
+            anticonformal: 0.5 * (f_x + rotated).norm_sqr().sqrt(),
             flat_area: 0.5 * doubled,
             flipped: doubled <= 0.0,
         }
@@ -231,28 +242,34 @@ impl FaceMap {
         [self.conformal + self.anticonformal, self.conformal - self.anticonformal]
     }
 
-    fn angle_distortion(&self) -> f64 {
+    fn distortion(&self) -> Distortion {
         let [larger, smaller] = self.singular_values();
-        larger / smaller.abs()
-    }
-
-    /// ½ (σ₁⁻² + σ₂⁻²).
-    fn stretch_squared(&self) -> f64 {
-        let [larger, smaller] = self.singular_values();
-        0.5 * (larger.powi(-2) + smaller.powi(-2))
-    }
-
-    /// ¼ (σ₁² + σ₂² + σ₁⁻² + σ₂⁻²).
-    fn symmetric_dirichlet(&self) -> f64 {
-        let [larger, smaller] = self.singular_values();
-        0.25 * (larger * larger + smaller * smaller) + 0.5 * self.stretch_squared()
-    }
-
-    fn log_scale(&self) -> f64 {
-        let [larger, smaller] = self.singular_values();
-        0.5 * (larger * smaller.abs()).ln()
+        let size = smaller.abs();
+        let stretch_squared = 0.5 * (1.0 / (larger * larger) + 1.0 / (smaller * smaller));
+        Distortion {
+            angle: larger / size,
+            log_scale: 0.5 * (larger * size).ln(),
+            stretch_squared,
+            symmetric_dirichlet: 0.25 * (larger * larger + smaller * smaller)
+                + 0.5 * stretch_squared,
+        }
     }
 }
+
+/// What a face's map does.
+struct Distortion {
+    /// σ₁ / |σ₂|.
+    angle: f64,
+    /// ½ log(σ₁ |σ₂|).
+    log_scale: f64,
+    /// ½ (σ₁⁻² + σ₂⁻²).
+    stretch_squared: f64,
+    /// ¼ (σ₁² + σ₂² + σ₁⁻² + σ₂⁻²).
+    symmetric_dirichlet: f64,
+}
+
+/// Area over the square of the longest side below which a face's cotangents are not those of its shape.
+const FLAT: f64 = 1e-8;
 
 /// What the measures are made of.
 #[derive(Clone, Debug)]
@@ -302,7 +319,7 @@ impl Default for Sums {
 }
 
 impl Sums {
-    fn add(&mut self, map: &FaceMap) {
+    fn add(&mut self, map: &FaceMap, distortion: &Distortion) {
         self.faces += 1;
         self.flipped += usize::from(map.flipped);
         self.smallest_signed_area = self.smallest_signed_area.min(map.flat_area);
@@ -317,15 +334,15 @@ impl Sums {
         if map.flipped || smaller <= 0.0 {
             return;
         }
-        let scale = map.log_scale();
+        let scale = distortion.log_scale;
         self.weight += map.area;
-        self.angle += map.area * map.angle_distortion();
-        self.angle_max = self.angle_max.max(map.angle_distortion());
+        self.angle += map.area * distortion.angle;
+        self.angle_max = self.angle_max.max(distortion.angle);
         self.scale += map.area * scale;
         self.scale_squared += map.area * scale * scale;
-        self.stretch_squared += map.area * map.stretch_squared();
+        self.stretch_squared += map.area * distortion.stretch_squared;
         self.stretch_max = self.stretch_max.max(1.0 / smaller);
-        self.symmetric_dirichlet += map.area * map.symmetric_dirichlet();
+        self.symmetric_dirichlet += map.area * distortion.symmetric_dirichlet;
         self.flat_weight += map.area * larger * smaller;
     }
 

@@ -197,8 +197,11 @@ impl Flattening {
 
     /// Place of every vertex on the sheet of a layout; NaN without chart.
     pub fn place(&self, opened: &OpenedMesh, packing: &Packing) -> Vec<Point2<f64>> {
-        let patches = opened.vertex_patches();
-        self.uv.iter().zip(&patches).map(|(&p, &i)| packing.poses[i as usize].apply(p)).collect()
+        let turns: Vec<_> = packing.poses.iter().map(Pose::turn).collect();
+        let place = |(&p, &i): (&Point2<f64>, &u32)| {
+            turns[i as usize] * p + packing.poses[i as usize].shift
+        };
+        self.uv.iter().zip(opened.vertex_patches()).map(place).collect()
     }
 }
 

@@ -36,7 +36,12 @@ pub struct Pose {
 impl Pose {
     /// Where a point of the chart comes to lie.
     pub fn apply(&self, p: Point2<f64>) -> Point2<f64> {
-        Rotation2::new(self.angle) * p + self.shift
+        self.turn() * p + self.shift
+    }
+
+    /// The rotation, for many points.
+    pub(super) fn turn(&self) -> Rotation2<f64> {
+        Rotation2::new(self.angle)
     }
 }
 
@@ -128,11 +133,12 @@ pub fn pack(shapes: &[Shape], gap: f64, previous: Option<&Packing>) -> Packing {
     };
     let mut landmarks = Vec::new();
     for (i, shape) in shapes.iter().enumerate() {
+        let turn = poses[i].turn();
         for &(name, p) in shape.landmarks {
             if landmarks.len() <= name as usize {
                 landmarks.resize(name as usize + 1, None);
             }
-            landmarks[name as usize] = Some((small(i), poses[i].apply(p)));
+            landmarks[name as usize] = Some((small(i), turn * p + poses[i].shift));
         }
     }
     Packing { poses, boxes, sheet, landmarks }

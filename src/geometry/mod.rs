@@ -116,6 +116,29 @@ impl Geometry {
     /// **Gives** finite values unless a position is not finite; a side of length 0 makes angles that do not sum to π.
     /// **Costs** O(V + F).
     pub fn measure(mesh: &Mesh, positions: Vec<Point3<f64>>) -> Self {
+        Self::measure_parts(mesh, positions, |_| None)
+    }
+
+    /// The same for a refinement of a surface that was measured so: faces that were not divided are not measured again.
+    ///
+    /// **Takes** for each face the face of `whole` with the same corners in the same order, where there is one.
+    pub fn measure_refined(
+        mesh: &Mesh,
+        positions: Vec<Point3<f64>>,
+        whole: &Self,
+        same: impl Fn(FaceId) -> Option<FaceId>,
+    ) -> Self {
+        Self::measure_parts(mesh, positions, |f| {
+            let f = same(f)?.index();
+            Some((whole.face_areas[f], whole.corner_angles[f], whole.corner_cotangents[f]))
+        })
+    }
+
+    fn measure_parts(
+        mesh: &Mesh,
+        positions: Vec<Point3<f64>>,
+        known: impl Fn(FaceId) -> Option<(f64, [f64; 3], [f64; 3])>,
+    ) -> Self {
         assert_eq!(positions.len(), mesh.vertex_count());
         let edge_lengths = mesh
             .edges()
@@ -127,7 +150,13 @@ impl Geometry {
         let mut face_areas = Vec::with_capacity(mesh.face_count());
         let mut corner_angles = Vec::with_capacity(mesh.face_count());
         let mut corner_cotangents = Vec::with_capacity(mesh.face_count());
-        for &vertices in mesh.triangles() {
+        for (f, &vertices) in mesh.triangles().iter().enumerate() {
+            if let Some((area, angles, cotangents)) = known(FaceId::from(f)) {
+                face_areas.push(area);
+                corner_angles.push(angles);
+                corner_cotangents.push(cotangents);
+                continue;
+            }
             let [a, b, c] = vertices.map(|v| positions[v.index()]);
             let sides = [b - a, c - b, a - c];
             let doubled = sides[0].cross(&sides[1]).norm();

@@ -21,6 +21,7 @@
 )]
 
 mod dense;
+mod solve;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -283,11 +284,28 @@ impl Factor {
     pub fn solve(&mut self, rhs: &mut [f64], columns: usize) {
         let size = self.analysis.pattern.size;
         assert_eq!(rhs.len(), size * columns);
-        let request = self.analysis.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        let symbolic = &self.analysis.symbolic;
+        if let SymbolicCholeskyRaw::Supernodal(blocks) = symbolic.raw() {
+            let order = symbolic.perm().map(|perm| perm.arrays().0);
+            let mut rest = rhs;
+            while !rest.is_empty() {
+                let count = (rest.len() / size).min(4);
+                let (now, later) = rest.split_at_mut(count * size);
+                match count {
+                    1 => solve::solve::<1>(blocks, &self.values, order, now),
+                    2 => solve::solve::<2>(blocks, &self.values, order, now),
+                    3 => solve::solve::<3>(blocks, &self.values, order, now),
+                    _ => solve::solve::<4>(blocks, &self.values, order, now),
+                }
+                rest = later;
+            }
+            return;
+        }
+        let request = symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
         if !MemStack::new(&mut self.scratch).can_hold(request) {
             self.scratch = MemBuffer::new(request);
         }
-        LltRef::<u32, f64>::new(&self.analysis.symbolic, &self.values).solve_in_place_with_conj(
+        LltRef::<u32, f64>::new(symbolic, &self.values).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(rhs, size, columns),
             Par::Seq,
@@ -381,6 +399,27 @@ mod tests {
             assert!(factor.solve_measured(&scaled, &mut nothing, 3) <= 0.0);
             nothing[7] = f64::NAN;
             assert!(factor.solve_measured(&scaled, &mut nothing, 3).is_nan());
+        }
+    }
+
+    #[test]
+    fn any_number_of_right_hand_sides_is_solved_like_one_of_them() {
+        let (pattern, values) = grid(90, 0.1);
+        let n = pattern.size();
+        let analysis = Arc::new(Analysis::new(pattern).unwrap());
+        assert!(matches!(analysis.symbolic.raw(), SymbolicCholeskyRaw::Supernodal(_)));
+        let mut factor = Factor::new(analysis.clone(), &values).unwrap();
+        for columns in 1..=6 {
+            let rhs: Vec<f64> =
+                (0..columns * n).map(|i| ((i * 7919) % 101) as f64 - 50.0).collect();
+            let mut x = rhs.clone();
+            factor.solve(&mut x, columns);
+            let mut product = vec![0.0; n];
+            for (x, rhs) in x.chunks_exact(n).zip(rhs.chunks_exact(n)) {
+                analysis.pattern().multiply(&values, x, &mut product);
+                let error = product.iter().zip(rhs).map(|(a, b)| (a - b).abs());
+                assert!(error.fold(0.0, f64::max) < 1e-11, "{columns} columns");
+            }
         }
     }
 

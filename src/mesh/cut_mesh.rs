@@ -48,6 +48,7 @@ pub struct OpenedMesh {
     pub face_patches: Vec<u32>,
     /// Number of patches.
     pub patch_count: usize,
+    vertex_patches: Vec<u32>,
     /// For each halfedge inside a face whose edge lies on a cut, the halfedge inside a face across the cut (which runs
     /// the other way); `None` elsewhere, on the surface's own boundary too.
     partners: Vec<u32>,
@@ -66,77 +67,168 @@ impl CutMesh {
         }
     }
 
+    /// The face of the mesh that a triangle is, if the cut leaves that face whole.
+    pub fn undivided(&self, mesh: &Mesh, triangle: FaceId) -> Option<FaceId> {
+        let face = self.triangle_faces[triangle.index()];
+        let corners = mesh.face_vertices(face).map(|v| v.0);
+        (self.triangles[triangle.index()] == corners).then_some(face)
+    }
+
     /// Opens the surface along its cut edges.
     ///
     /// **Takes** cut edges that are edges of the triangulation. A cut may end inside a patch or be closed; the opened surface
     /// is a manifold either way, because each fan of triangles between cut edges gets a vertex of its own.
     /// **Fails** if the triangles were no manifold to begin with. **Costs** O(V + F).
     pub fn open(&self) -> Result<OpenedMesh, MeshError> {
-        let whole = Mesh::new(self.points.len(), &self.triangles)?;
-        let mut is_cut = vec![false; whole.edge_count()];
-        for &[a, b] in &self.cut_edges {
-            let h = whole.outgoing(VertexId(a)).find(|&h| whole.tip(h) == VertexId(b));
-            debug_assert!(h.is_some(), "cut edge {a}-{b} is no edge of the triangulation");
-            if let Some(h) = h {
-                is_cut[h.edge().index()] = !whole.is_boundary_edge(h.edge());
-            }
-        }
-
+        let corners = CutCorners::new(self);
         // Each fan of corners between cut edges becomes a vertex; the first fan keeps the point's number.
         let mut corner_vertices = self.triangles.clone();
         let mut vertex_points: Vec<u32> = (0..self.points.len() as u32).collect();
-        let mut on_cut = vec![false; self.points.len()];
-        for e in whole.edges().filter(|e| is_cut[e.index()]) {
-            for v in whole.edge_vertices(e) {
-                on_cut[v.index()] = true;
+        let mut turn = Vec::new();
+        for point in 0..self.points.len() as u32 {
+            if !corners.turn(point, &mut turn) {
+                // No manifold there: the triangles as they are tell what is wrong.
+                Mesh::new(self.points.len(), &self.triangles)?;
+                return Err(MeshError::NonManifoldVertices { vertices: vec![VertexId(point)] });
             }
-        }
-        for v in whole.vertices().filter(|v| on_cut[v.index()]) {
-            let mut turn: Vec<(HalfedgeId, FaceId)> =
-                whole.outgoing(v).filter_map(|h| Some((h, whole.face(h)?))).collect();
-            if !whole.is_boundary_vertex(v) {
-                // Start at a cut, so that no fan is met in two parts.
-                let first = turn.iter().position(|(h, _)| is_cut[h.edge().index()]).unwrap_or(0);
-                turn.rotate_left(first);
-            }
-            let mut current = v.0;
-            for (i, &(h, face)) in turn.iter().enumerate() {
-                if i > 0 && is_cut[h.edge().index()] {
+            let mut current = point;
+            for (i, corner) in turn.iter().enumerate() {
+                if i > 0 && corner.is_cut {
                     current = vertex_points.len() as u32;
-                    vertex_points.push(v.0);
+                    vertex_points.push(point);
                 }
-                let corner = whole.face_vertices(face).iter().position(|&w| w == v).unwrap_or(0);
-                corner_vertices[face.index()][corner] = current;
+                corner_vertices[corner.face as usize][corner.index as usize] = current;
             }
         }
         let mesh = Mesh::new(vertex_points.len(), &corner_vertices)?;
 
         let mut partners = vec![NONE; mesh.halfedge_count()];
-        for edge in whole.edges().filter(|e| is_cut[e.index()]) {
-            let h = edge.halfedge();
-            if let (Some(left), Some(right)) =
-                (side(&whole, &mesh, h), side(&whole, &mesh, h.twin()))
-            {
-                partners[left.index()] = right.0;
-                partners[right.index()] = left.0;
+        let side =
+            |corner: &Corner| mesh.face_halfedges(FaceId(corner.face))[corner.index as usize];
+        for point in 0..self.points.len() as u32 {
+            for corner in corners.at(point).iter().filter(|corner| corner.is_cut) {
+                let across = corners.at(corner.next).iter().find(|other| other.next == point);
+                if let Some(across) = across {
+                    partners[side(corner).index()] = side(across).0;
+                }
             }
         }
         let topology = mesh.topology();
-        Ok(OpenedMesh {
-            mesh,
-            vertex_points,
-            face_patches: topology.face_components,
-            patch_count: topology.components,
-            partners,
-        })
+        let face_patches = topology.face_components;
+        let mut vertex_patches = vec![0; mesh.vertex_count()];
+        for (vertices, &patch) in mesh.triangles().iter().zip(&face_patches) {
+            for v in vertices {
+                vertex_patches[v.index()] = patch;
+            }
+        }
+        let patch_count = topology.components;
+        Ok(OpenedMesh { mesh, vertex_points, face_patches, patch_count, vertex_patches, partners })
     }
 }
 
-/// The halfedge of the opened mesh that is side `h` of the same face.
-fn side(whole: &Mesh, opened: &Mesh, h: HalfedgeId) -> Option<HalfedgeId> {
-    let face = whole.face(h)?;
-    let i = whole.face_halfedges(face).iter().position(|&g| g == h)?;
-    Some(opened.face_halfedges(face)[i])
+/// The corner of a triangle at a point on a cut.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    face: u32,
+    /// Which of the triangle's three.
+    index: u8,
+    /// The points after and before it in the triangle.
+    next: u32,
+    last: u32,
+    /// Whether the surface is cut along the side towards `next`.
+    is_cut: bool,
+}
+
+/// The corners at all points on cuts: the only place where opening changes anything.
+struct CutCorners {
+    /// Where each point's corners begin, and the number of all.
+    starts: Vec<u32>,
+    /// In the order of the faces for each point.
+    corners: Vec<Corner>,
+}
+
+impl CutCorners {
+    fn new(cut: &CutMesh) -> Self {
+        let mut on_cut = vec![false; cut.points.len()];
+        for &p in cut.cut_edges.iter().flatten() {
+            on_cut[p as usize] = true;
+        }
+        let mut ends = vec![0u32; cut.points.len() + 1];
+        for &p in cut.triangles.iter().flatten().filter(|&&p| on_cut[p as usize]) {
+            ends[p as usize + 1] += 1;
+        }
+        for p in 0..cut.points.len() {
+            ends[p + 1] += ends[p];
+        }
+        let starts = ends.clone();
+        let mut corners = vec![Corner::default(); starts[cut.points.len()] as usize];
+        for (face, triangle) in cut.triangles.iter().enumerate() {
+            for i in 0..3 {
+                let point = triangle[i] as usize;
+                if on_cut[point] {
+                    let (next, last) = (triangle[(i + 1) % 3], triangle[(i + 2) % 3]);
+                    let (face, index) = (face as u32, i as u8);
+                    corners[ends[point] as usize] =
+                        Corner { face, index, next, last, is_cut: false };
+                    ends[point] += 1;
+                }
+            }
+        }
+        let mut result = Self { starts, corners };
+        for &[a, b] in &cut.cut_edges {
+            // The surface's own boundary is open already.
+            let at = result.at(a);
+            let is_inside = at.iter().any(|c| c.next == b) && at.iter().any(|c| c.last == b);
+            debug_assert!(
+                at.iter().any(|c| c.next == b || c.last == b),
+                "cut edge {a}-{b} is no edge of the triangulation"
+            );
+            if is_inside {
+                for (from, to) in [(a, b), (b, a)] {
+                    let range = result.range(from);
+                    let along = result.corners[range].iter_mut().filter(|c| c.next == to);
+                    along.for_each(|c| c.is_cut = true);
+                }
+            }
+        }
+        result
+    }
+
+    fn range(&self, point: u32) -> std::ops::Range<usize> {
+        self.starts[point as usize] as usize..self.starts[point as usize + 1] as usize
+    }
+
+    fn at(&self, point: u32) -> &[Corner] {
+        &self.corners[self.range(point)]
+    }
+
+    /// The corners at a point in one turn, counter-clockwise: from a cut, so that no fan is met in two parts, or from the
+    /// surface's own boundary. **Gives** false where one turn does not meet them all.
+    fn turn(&self, point: u32, turn: &mut Vec<Corner>) -> bool {
+        turn.clear();
+        let at = self.at(point);
+        let Some(last) = at.last() else { return true };
+        let after = |corner: &Corner| at.iter().find(|c| c.next == corner.last);
+        let rim = at.iter().find(|corner| at.iter().all(|c| c.last != corner.next));
+        let start = rim.unwrap_or(last);
+        let mut corner = start;
+        loop {
+            turn.push(*corner);
+            match after(corner) {
+                Some(next) if turn.len() < at.len() && !std::ptr::eq(next, start) => corner = next,
+                // Once around, or from one rim to the other.
+                end => {
+                    let is_whole = rim.is_some() == end.is_none()
+                        && end.is_none_or(|end| std::ptr::eq(end, start));
+                    if rim.is_none() {
+                        let first = turn.iter().position(|c| c.is_cut).unwrap_or(0);
+                        turn.rotate_left(first);
+                    }
+                    return is_whole && turn.len() == at.len();
+                }
+            }
+        }
+    }
 }
 
 impl OpenedMesh {
@@ -147,14 +239,8 @@ impl OpenedMesh {
     }
 
     /// Patch of every vertex (isolated vertices: none exist in an opened mesh of used points).
-    pub fn vertex_patches(&self) -> Vec<u32> {
-        let mut patches = vec![0; self.mesh.vertex_count()];
-        for (face, vertices) in self.mesh.triangles().iter().enumerate() {
-            for v in vertices {
-                patches[v.index()] = self.face_patches[face];
-            }
-        }
-        patches
+    pub fn vertex_patches(&self) -> &[u32] {
+        &self.vertex_patches
     }
 
     /// Euler characteristic and number of boundary loops of each patch. A disk has (1, 1).
@@ -231,6 +317,26 @@ mod tests {
         let opened = cut.open().unwrap();
         assert_eq!(opened.patch_shapes(), [(1, 1)]);
         assert_eq!(opened.mesh.vertex_count(), 25 + 3);
+    }
+
+    #[test]
+    fn a_cut_through_a_point_where_parts_only_touch_is_refused_by_its_number() {
+        // Two fans of two triangles that share point 0.
+        let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 4, 5], [0, 5, 6]];
+        let count = 7;
+        let cut = CutMesh {
+            points: (0..count).map(|v| SurfacePoint::Vertex(VertexId(v))).collect(),
+            triangle_faces: (0..4).map(FaceId).collect(),
+            triangles,
+            cut_edges: vec![[0, 2], [0, 5]],
+        };
+        let error = cut.open().unwrap_err();
+        assert_eq!(error, MeshError::NonManifoldVertices { vertices: vec![VertexId(0)] });
+        let mut twice = grid(1);
+        twice.triangles.push(twice.triangles[0]);
+        twice.triangle_faces.push(FaceId(0));
+        twice.cut_edges = vec![[0, 3]];
+        assert!(matches!(twice.open(), Err(MeshError::NonManifoldEdges { .. })));
     }
 
     #[test]

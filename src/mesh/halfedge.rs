@@ -180,26 +180,30 @@ impl Mesh {
     /// Finds the twin of every side of every triangle, by buckets of the smaller vertex.
     fn pair_halfedges(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         let sides = 3 * triangles.len();
-        let ends = |side: usize| {
-            let triangle = &triangles[side / 3];
-            (triangle[side % 3], triangle[(side + 1) % 3])
-        };
+        let ends = |face: usize, i: usize| (triangles[face][i], triangles[face][(i + 1) % 3]);
         let mut starts = vec![0u32; vertex_count + 1];
-        for side in 0..sides {
-            let (a, b) = ends(side);
-            starts[a.min(b) as usize + 1] += 1;
+        for face in 0..triangles.len() {
+            for i in 0..3 {
+                let (a, b) = ends(face, i);
+                starts[a.min(b) as usize + 1] += 1;
+            }
         }
         for v in 0..vertex_count {
             starts[v + 1] += starts[v];
         }
-        let mut bucket = vec![0u32; sides];
-        for side in 0..sides {
-            let (a, b) = ends(side);
-            let slot = &mut starts[a.min(b) as usize];
-            bucket[*slot as usize] = side as u32;
-            *slot += 1;
+        // The larger vertex of each side, the side's number, and whether it begins at the larger one: sorted as one number.
+        let mut bucket = vec![0u64; sides];
+        for face in 0..triangles.len() {
+            for i in 0..3 {
+                let (a, b) = ends(face, i);
+                let slot = &mut starts[a.min(b) as usize];
+                let name = 2 * (3 * face + i) as u64 + u64::from(a > b);
+                bucket[*slot as usize] = u64::from(a.max(b)) << 32 | name;
+                *slot += 1;
+            }
         }
 
+        let side = |s: u64| (s as u32 >> 1) as usize;
         let mut side_halfedges = vec![NONE; sides];
         let mut halfedge_tails = Vec::with_capacity(sides + sides / 8);
         let mut crowded = Vec::new();
@@ -209,36 +213,30 @@ impl Mesh {
             let end = starts[v] as usize;
             let group = &mut bucket[begin..end];
             begin = end;
-            group.sort_unstable_by_key(|&side| {
-                let (a, b) = ends(side as usize);
-                (a.max(b), side)
-            });
-            for same in group.chunk_by(|&s, &t| {
-                let (a, b) = ends(s as usize);
-                let (c, d) = ends(t as usize);
-                a.max(b) == c.max(d)
-            }) {
-                let (tail, tip) = ends(same[0] as usize);
-                let name = [VertexId(tail.min(tip)), VertexId(tail.max(tip))];
+            group.sort_unstable();
+            for same in group.chunk_by(|s, t| s >> 32 == t >> 32) {
+                let name = [VertexId(v as u32), VertexId((same[0] >> 32) as u32)];
                 if same.len() > 2 {
-                    crowded.push((name, same.to_vec()));
+                    crowded.push((name, same.iter().map(|&s| side(s)).collect::<Vec<_>>()));
                     continue;
                 }
                 let h = halfedge_tails.len() as u32;
-                halfedge_tails.push(VertexId(tail));
-                halfedge_tails.push(VertexId(tip));
-                side_halfedges[same[0] as usize] = h;
+                let from_larger = same[0] & 1;
+                let [tail, tip] = if from_larger == 0 { name } else { [name[1], name[0]] };
+                halfedge_tails.push(tail);
+                halfedge_tails.push(tip);
+                side_halfedges[side(same[0])] = h;
                 if let Some(&other) = same.get(1) {
-                    if ends(other as usize).0 == tail {
+                    if other & 1 == from_larger {
                         twisted.push(name);
                     }
-                    side_halfedges[other as usize] = h + 1;
+                    side_halfedges[side(other)] = h + 1;
                 }
             }
         }
         if !crowded.is_empty() {
             let mut faces: Vec<FaceId> =
-                crowded.iter().flat_map(|(_, sides)| sides).map(|&s| FaceId(s / 3)).collect();
+                crowded.iter().flat_map(|(_, sides)| sides).map(|&s| FaceId::from(s / 3)).collect();
             faces.sort_unstable();
             faces.dedup();
             let edges = crowded.into_iter().map(|(name, _)| name).collect();

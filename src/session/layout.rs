@@ -245,7 +245,10 @@ impl Layout {
     ) -> Result<Self, SolveError> {
         let points = place(surface, &cut);
         let opened = cut.open()?;
-        let geometry = measure_opened(&opened, &points);
+        let positions = opened.vertex_points.iter().map(|&p| points[p as usize]).collect();
+        let geometry = Geometry::measure_refined(&opened.mesh, positions, &surface.geometry, |f| {
+            cut.undivided(&surface.mesh, f)
+        });
         let flattening = bff_with(&opened, &geometry, factor)?;
         let made = Made { method: "bff", ..Made::default() };
         let charted = Charted { cut, points, opened, geometry, flattening, made };
@@ -263,7 +266,7 @@ impl Layout {
         let packing = flattening.pack(&opened, surface.mesh.vertex_count(), GAP, previous);
         let overlaps_across = measures::overlaps_across(&opened, &flattening, &packing);
         let charts = flattening.place(&opened, &packing).iter().map(|p| [p.x, p.y]).collect();
-        let vertex_patches = opened.vertex_patches();
+        let vertex_patches = opened.vertex_patches().to_vec();
         let notice = made.notice.clone();
         Self {
             cut,

@@ -5,6 +5,7 @@
 mod charts;
 mod develop;
 mod memory;
+mod patterns;
 mod phasefield;
 mod spheres;
 mod stages;
@@ -280,19 +281,9 @@ fn steps_to_the_end() -> Vec<Row> {
     rows
 }
 
-fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if arguments.iter().any(|a| a == memory::RUN) {
-        memory::run();
-        return;
-    }
-    let is_quick = arguments.iter().any(|a| a == "--quick");
-    let value =
-        |name: &str| arguments.iter().position(|a| a == name).and_then(|i| arguments.get(i + 1));
-    let json = value("--json");
-    // First, while this process is small itself.
-    let mut rows = memory::rows();
-
+/// Steps, trials and previews of two regions and of many patches.
+fn flow_rows(is_quick: bool) -> Vec<Row> {
+    let mut rows = Vec::new();
     let sizes: &[u32] = if is_quick { &[32] } else { &[32, 64] };
     for &frequency in sizes {
         let (mesh, geometry) = sphere(frequency);
@@ -346,13 +337,12 @@ fn main() {
             });
         }
     }
+    rows
+}
 
-    rows.extend(growth());
-    rows.extend(steps_to_the_end());
-    if !is_quick {
-        rows.extend(spheres::rows());
-    }
-
+/// What a run on a sphere reaches, and the time of a step in a session.
+fn session_rows() -> Vec<Row> {
+    let mut rows = Vec::new();
     let (mesh, geometry) = sphere(32);
     let plane = Initial::Plane { point: Point3::origin(), normal: Vector3::z() };
     let mut flow = CutFlow::new(mesh, geometry, &plane, params(10.0, 0.0)).expect("as above");
@@ -389,13 +379,44 @@ fn main() {
         unit: "ms",
         limit: None,
     });
+    rows
+}
 
-    rows.extend(charts::rows());
-    rows.extend(phasefield::rows());
-    rows.extend(develop::rows());
-    rows.extend(import_speeds());
-    if let Some(folder) = value("--meshes") {
-        rows.extend(stages::rows(is_quick, Path::new(folder)));
+/// Figures that are measured together, by the name that `--only` takes a part of.
+type Group<'a> = (&'static str, Box<dyn FnOnce() -> Vec<Row> + 'a>);
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments.iter().any(|a| a == memory::RUN) {
+        memory::run();
+        return;
+    }
+    let is_quick = arguments.iter().any(|a| a == "--quick");
+    let value =
+        |name: &str| arguments.iter().position(|a| a == name).and_then(|i| arguments.get(i + 1));
+    let json = value("--json");
+    let meshes = value("--meshes").map(Path::new);
+    let only = value("--only").map_or("", String::as_str);
+    let groups: [Group; 12] = [
+        // First, while this process is small itself.
+        ("memory", Box::new(memory::rows)),
+        ("flow", Box::new(move || flow_rows(is_quick))),
+        ("growth", Box::new(growth)),
+        ("convergence", Box::new(steps_to_the_end)),
+        ("spheres", Box::new(move || if is_quick { Vec::new() } else { spheres::rows() })),
+        ("session", Box::new(session_rows)),
+        ("charts", Box::new(charts::rows)),
+        ("phasefield", Box::new(phasefield::rows)),
+        ("develop", Box::new(develop::rows)),
+        ("patterns", Box::new(patterns::rows)),
+        ("import", Box::new(import_speeds)),
+        ("stages", Box::new(move || meshes.map_or_else(Vec::new, |m| stages::rows(is_quick, m)))),
+    ];
+    let names: Vec<&str> = groups.iter().map(|(name, _)| *name).collect();
+    let wanted = groups.into_iter().filter(|(name, _)| name.contains(only));
+    let rows: Vec<Row> = wanted.flat_map(|(_, rows)| rows()).collect();
+    if rows.is_empty() {
+        println!("no figures of the group `{only}`; there are: {}", names.join(", "));
     }
 
     for row in &rows {

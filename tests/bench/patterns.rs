@@ -60,8 +60,9 @@ fn pieces() -> Vec<Row> {
     flow.step().expect("a first layout");
     let lie = |(blank, &pose)| Placed { blank, copy: [0, 1], is_mirrored: false, pose };
     let placed: Vec<Placed> = flow.state().poses.iter().enumerate().map(lie).collect();
-    let sheet_of =
-        |made: &cutflow::pattern::Blanks| Sheet::new(&made.pieces, &placed, &[], &SheetParams::default());
+    let sheet_of = |made: &cutflow::pattern::Blanks| {
+        Sheet::new(&made.pieces, &placed, &[], &SheetParams::default())
+    };
     let time = mean(3, || {
         let made = ready();
         assert!(!sheet_of(&made).lines.is_empty(), "the sheet has lines");
@@ -89,7 +90,8 @@ fn pieces() -> Vec<Row> {
 fn nesting() -> Row {
     let mut state = 1u64;
     let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
     let mut blob = |size: f64| {

@@ -378,7 +378,7 @@ fn angles_of_the_charts_add_up() {
     let flat = Geometry::measure(&case.opened.mesh, flat);
     let defects = angle_defects(&case.opened.mesh, &flat);
     let mut turning = [0.0; 8];
-    for (v, patch) in case.opened.mesh.vertices().zip(case.opened.vertex_patches()) {
+    for (v, &patch) in case.opened.mesh.vertices().zip(case.opened.vertex_patches()) {
         if case.opened.mesh.is_boundary_vertex(v) {
             turning[patch as usize] += defects[v.index()];
         } else {
@@ -802,7 +802,15 @@ fn the_preview_of_a_running_flow_is_the_full_flattening_and_moves_gently() {
     let mut last: Option<(Packing, Vec<Point2<f64>>)> = None;
     let mut jumps = 0;
     for step in 0..40 {
-        let case = Case::new(&mesh, &geometry.positions, &flow.cut_mesh());
+        let cut = flow.cut_mesh();
+        let case = Case::new(&mesh, &geometry.positions, &cut);
+        let places = case.geometry.positions.clone();
+        let refined = Geometry::measure_refined(&case.opened.mesh, places, &geometry, |f| {
+            cut.undivided(&mesh, f)
+        });
+        assert_eq!(refined.corner_angles, case.geometry.corner_angles);
+        assert_eq!(refined.corner_cotangents, case.geometry.corner_cotangents);
+        assert_eq!(refined.face_areas, case.geometry.face_areas);
         let preview = bff_with(&case.opened, &case.geometry, flow.factor().unwrap()).unwrap();
         let full = case.flatten();
         assert_eq!(preview.charts, full.charts);

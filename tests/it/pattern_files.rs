@@ -292,7 +292,7 @@ fn faces_without_chart_have_neither_texture_nor_a_place() {
     let mut example = box_with_lid();
     let patches = example.opened.vertex_patches();
     for (place, patch) in example.charts.iter_mut().zip(patches) {
-        if patch == 1 {
+        if *patch == 1 {
             *place = [f64::NAN; 2];
         }
     }
@@ -418,7 +418,7 @@ fn squares_have_the_size_that_was_asked_for_and_slivers_are_seen() {
         let mut example = pillow();
         let patches = example.opened.vertex_patches();
         for (place, patch) in example.charts.iter_mut().zip(patches) {
-            if patch == 1 {
+            if *patch == 1 {
                 *place = [place[0], place[1] * 1e-6 + 0.513];
             }
         }

@@ -165,7 +165,7 @@ fn stretch_area_and_ease_are_those_of_the_chart() {
     let lid = example.opened.mesh.triangles()[2];
     let patches = example.opened.vertex_patches();
     let own = patches[lid[0].index()];
-    for (p, patch) in example.charts.iter_mut().zip(&patches) {
+    for (p, patch) in example.charts.iter_mut().zip(patches) {
         if *patch == own {
             *p = [1.1 * p[0], 0.8 * p[1]];
         }

@@ -16,9 +16,11 @@ const STEP: &str = "session step, ball";
 /// How much slower than natively the engine may be in a browser.
 const WASM_LIMIT: f64 = 2.2;
 
-/// Measures natively, then the same scripts in wasm, then the sizes of the wasm files.
+/// Measures natively, then the same scripts in wasm, then the sizes of the wasm files; one group of native figures alone where
+/// `--only` names it.
 pub fn bench(mut args: Args) -> Result<()> {
     let quick = args.flag("--quick");
+    let only = args.value("--only")?;
     let wanted = args.value("--json")?.map(PathBuf::from);
     args.finish()?;
     let file = wanted
@@ -34,6 +36,10 @@ pub fn bench(mut args: Args) -> Result<()> {
     cargo.args(["--bench", "ratios", "--", "--json"]).arg(&file).arg("--meshes").arg(&meshes);
     if quick {
         cargo.arg("--quick");
+    }
+    if let Some(word) = only {
+        cargo.arg("--only").arg(word);
+        return process::run(&mut cargo);
     }
     process::run(&mut cargo)?;
 

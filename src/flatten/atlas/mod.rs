@@ -214,7 +214,7 @@ impl Atlas {
             AtlasMethod::Lscm => lscm(&sheet.opened, &sheet.geometry)?,
         };
         let corners = sheet.corners(geometry, &domains, &weights);
-        let misfit = align::align(&mut flattening, &sheet.opened.vertex_patches(), &corners);
+        let misfit = align::align(&mut flattening, sheet.opened.vertex_patches(), &corners);
         let measures = measure(&sheet.opened, &sheet.geometry, &flattening).charts;
         let validity = validate(&sheet.opened, &flattening, None).charts;
         for (chart, length) in sheet.cut_lengths.iter().enumerate() {

@@ -209,7 +209,7 @@ impl MergeFlow {
             charts[opened.face_patches[face.index()] as usize] = Err(NoChart::Degenerate { face });
         }
         // A patch without rim has no chart, whatever was said of its places.
-        for (v, patch) in opened.vertex_patches().into_iter().enumerate() {
+        for (v, &patch) in opened.vertex_patches().iter().enumerate() {
             if charts[patch as usize].is_err() {
                 uv[v] = nowhere;
             }

@@ -83,8 +83,7 @@ pub fn contacts(outlines: &[&[Point2<f64>]]) -> Contacts {
             return;
         }
         let is_zero = |x: &f64| !(x.abs() > 0.0);
-        let all = [ends, others].concat();
-        if !all.iter().any(is_zero) {
+        if !ends.iter().chain(&others).any(is_zero) {
             contacts.crossings.push([s, t]);
             return;
         }

@@ -11,6 +11,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::candidates::{Candidates, Nearest, joined};
 use super::cut::{Crossing, Cut, NONE, Node};
 use super::energy::Problem;
 use crate::mesh::VertexId;
@@ -21,15 +22,6 @@ const RINGS: usize = 3;
 
 /// Stands for a label that is not stored at a vertex: farther than any step, in mean edge lengths.
 const FAR: f64 = 4.0;
-
-/// The closest place of a label's boundary.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Nearest {
-    segment: u32,
-    /// Position along the segment.
-    fraction: f64,
-    distance: f64,
-}
 
 /// Labels of all vertices and level-set values of those near the cut.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,59 +162,48 @@ impl LevelSets {
     pub fn rebuild(problem: &Problem, cut: &Cut, kept: Self, mean_edge: f64) -> (Self, Response) {
         let mesh = &problem.mesh;
         let places = Places::new(problem, cut);
-        let mut candidates: Vec<Vec<(u32, Nearest)>> = vec![Vec::new(); mesh.vertex_count()];
-        let offer = |list: &mut Vec<(u32, Nearest)>, v: VertexId, segment: u32| {
-            let nearest = places.nearest(problem, v, segment);
-            for label in cut.segments[segment as usize].labels {
-                match list.iter_mut().find(|(k, _)| *k == label) {
-                    Some((_, old)) if old.distance <= nearest.distance => {}
-                    Some((_, old)) => *old = nearest,
-                    None => list.push((label, nearest)),
-                }
-            }
-        };
+        let mut candidates = Candidates::new(mesh.vertex_count());
         let mut ring: Vec<VertexId> = Vec::new();
-        let mut near_labels: Vec<(VertexId, u32)> = Vec::new();
+        let mut near_labels: Vec<u64> = Vec::new();
         for crossed in &cut.faces {
             let count = if crossed.lone == 3 { 3 } else { 1 };
             let vertices = mesh.face_vertices(crossed.face);
             for v in vertices {
-                if candidates[v.index()].is_empty() {
+                if candidates.is_empty(v) {
                     ring.push(v);
                 }
                 for segment in crossed.first_segment..crossed.first_segment + count {
-                    offer(&mut candidates[v.index()], v, segment);
+                    let labels = cut.segments[segment as usize].labels;
+                    candidates.offer(v, labels, places.nearest(problem, v, segment));
                 }
                 for w in vertices {
-                    near_labels.push((v, kept.labels[w.index()]));
+                    near_labels.push(joined(v, kept.labels[w.index()]));
                 }
             }
         }
         near_labels.sort_unstable();
         near_labels.dedup();
-        let mut all = ring.clone();
+        let mut offers: Vec<u64> = Vec::new();
         for _ in 0..RINGS {
             // A second offer to the vertices at hand, then on to their neighbours.
-            let mut next: Vec<VertexId> = Vec::new();
-            let mut offers: Vec<(VertexId, u32)> = Vec::new();
+            offers.clear();
             for &v in &ring {
                 for h in mesh.outgoing(v) {
                     let w = mesh.tip(h);
-                    for (_, nearest) in &candidates[v.index()] {
-                        offers.push((w, nearest.segment));
-                    }
+                    candidates.for_each(v, |_, nearest| offers.push(joined(w, nearest.segment)));
                 }
             }
             offers.sort_unstable();
             offers.dedup();
-            for (w, segment) in offers {
-                if candidates[w.index()].is_empty() {
-                    next.push(w);
+            ring.clear();
+            for &offer in &offers {
+                let (w, segment) = (VertexId((offer >> 32) as u32), offer as u32);
+                if candidates.is_empty(w) {
+                    ring.push(w);
                 }
-                offer(&mut candidates[w.index()], w, segment);
+                let labels = cut.segments[segment as usize].labels;
+                candidates.offer(w, labels, places.nearest(problem, w, segment));
             }
-            all.extend_from_slice(&next);
-            ring = next;
         }
 
         let mut result = Self {
@@ -234,14 +215,16 @@ impl LevelSets {
         };
         let mut response = Response::default();
         let slopes = Slopes::new(problem, cut);
+        let mut list: Vec<(u32, Nearest)> = Vec::new();
         for v in mesh.vertices() {
             result.starts.push(result.values.len() as u32);
-            let list = &mut candidates[v.index()];
+            list.clear();
+            candidates.for_each(v, |label, nearest| list.push((label, *nearest)));
             list.sort_unstable_by_key(|(label, _)| *label);
             let own = kept.labels[v.index()];
             for &(label, nearest) in list.iter() {
                 let inside = label == own;
-                let is_near = near_labels.binary_search(&(v, label)).is_ok();
+                let is_near = near_labels.binary_search(&joined(v, label)).is_ok();
                 let distance = if inside { -nearest.distance } else { nearest.distance };
                 let value = match kept.entry(v, label) {
                     Some(old) if is_near => kept.values[old],

@@ -18,6 +18,7 @@
 //! more than two regions a patch may shrink away, and where nothing else is chosen patches of one label may join. A [`Schedule`] that changes α changes what J means, between steps. Not guaranteed: the global minimum, and patches that are disks (see [`super::cutgraph`]).
 
 mod band;
+mod candidates;
 mod coarse;
 pub(super) mod cut;
 mod energy;

@@ -1,0 +1,133 @@
+//! Solving with a supernodal factor for one to four right-hand sides at a time.
+//!
+//! On meshes of surfaces most supernodes have a few columns: general kernels spend more time on being called for them than on
+//! the numbers, plain loops do not.
+
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+
+/// A supernode of the factor L: consecutive columns with one pattern.
+struct Block<'a> {
+    /// First column.
+    start: usize,
+    width: usize,
+    /// Rows below the square of the columns themselves.
+    rows: &'a [u32],
+    /// Column by column, `width + rows.len()` entries each.
+    values: &'a [f64],
+}
+
+impl<'a> Block<'a> {
+    fn new(symbolic: &'a SymbolicSupernodalCholesky<u32>, values: &'a [f64], s: usize) -> Self {
+        let start = symbolic.supernode_begin()[s] as usize;
+        let width = symbolic.supernode_end()[s] as usize - start;
+        let first = symbolic.col_ptr_for_row_idx()[s] as usize;
+        let rows = &symbolic.row_idx()[first..first + symbolic.nnz_per_super()[s] as usize];
+        let begin = symbolic.col_ptr_for_val()[s] as usize;
+        let values = &values[begin..begin + width * (width + rows.len())];
+        Self { start, width, rows, values }
+    }
+
+    fn column(&self, j: usize) -> &'a [f64] {
+        let height = self.width + self.rows.len();
+        &self.values[j * height..(j + 1) * height]
+    }
+
+    /// x ← L⁻¹ x as far as these columns go.
+    fn forward<const N: usize>(&self, x: &mut [[f64; N]], below: &mut Vec<[f64; N]>) {
+        below.clear();
+        below.resize(self.rows.len(), [0.0; N]);
+        let own = self.start..self.start + self.width;
+        for j in 0..self.width {
+            let column = self.column(j);
+            let pivot = &mut x[own.start + j];
+            pivot.iter_mut().for_each(|p| *p /= column[j]);
+            let pivot = *pivot;
+            let (square, rest) = column.split_at(self.width);
+            for (target, l) in x[own.start + j + 1..own.end].iter_mut().zip(&square[j + 1..]) {
+                subtract(target, *l, &pivot);
+            }
+            for (target, l) in below.iter_mut().zip(rest) {
+                subtract(target, *l, &pivot);
+            }
+        }
+        for (&row, below) in self.rows.iter().zip(below.iter()) {
+            for (target, b) in x[row as usize].iter_mut().zip(below) {
+                *target += b;
+            }
+        }
+    }
+
+    /// x ← L⁻ᵀ x as far as these columns go.
+    fn backward<const N: usize>(&self, x: &mut [[f64; N]], below: &mut Vec<[f64; N]>) {
+        below.clear();
+        below.extend(self.rows.iter().map(|&row| x[row as usize]));
+        let own = self.start..self.start + self.width;
+        for j in (0..self.width).rev() {
+            let column = self.column(j);
+            let (square, rest) = column.split_at(self.width);
+            let beside = products(&square[j + 1..], &x[own.start + j + 1..own.end]);
+            let beneath = products(rest, below);
+            for (k, target) in x[own.start + j].iter_mut().enumerate() {
+                *target = (*target - beside[k] - beneath[k]) / column[j];
+            }
+        }
+    }
+}
+
+fn subtract<const N: usize>(target: &mut [f64; N], l: f64, pivot: &[f64; N]) {
+    for (target, p) in target.iter_mut().zip(pivot) {
+        *target -= l * p;
+    }
+}
+
+/// Σ l x for each right-hand side, in four sums: the compiler may not reorder one.
+fn products<const N: usize>(column: &[f64], x: &[[f64; N]]) -> [f64; N] {
+    let mut sums = [[0.0; N]; 4];
+    let (columns, xs) = (column.chunks_exact(4), x.chunks_exact(4));
+    let rest = columns.remainder().iter().zip(xs.remainder());
+    for (l, x) in columns.zip(xs) {
+        for i in 0..4 {
+            for k in 0..N {
+                sums[i][k] += l[i] * x[i][k];
+            }
+        }
+    }
+    let mut sum = [0.0; N];
+    for k in 0..N {
+        sum[k] = (sums[0][k] + sums[1][k]) + (sums[2][k] + sums[3][k]);
+    }
+    for (l, x) in rest {
+        for k in 0..N {
+            sum[k] += l * x[k];
+        }
+    }
+    sum
+}
+
+/// Solves L Lᵀ X = B in place.
+///
+/// **Takes** the factor's values, the order of elimination (entry `i` names the row that is eliminated as number `i`), and N
+/// right-hand sides one after the other.
+pub(super) fn solve<const N: usize>(
+    symbolic: &SymbolicSupernodalCholesky<u32>,
+    values: &[f64],
+    order: Option<&[u32]>,
+    rhs: &mut [f64],
+) {
+    let size = symbolic.nrows();
+    let row = |i: usize| order.map_or(i, |order| order[i] as usize);
+    let mut x: Vec<[f64; N]> =
+        (0..size).map(|i| std::array::from_fn(|k| rhs[k * size + row(i)])).collect();
+    let mut below = Vec::new();
+    for s in 0..symbolic.n_supernodes() {
+        Block::new(symbolic, values, s).forward(&mut x, &mut below);
+    }
+    for s in (0..symbolic.n_supernodes()).rev() {
+        Block::new(symbolic, values, s).backward(&mut x, &mut below);
+    }
+    for (i, x) in x.iter().enumerate() {
+        for (k, value) in x.iter().enumerate() {
+            rhs[k * size + row(i)] = *value;
+        }
+    }
+}
