@@ -404,7 +404,8 @@ mod tests {
 
     #[test]
     fn any_number_of_right_hand_sides_is_solved_like_one_of_them() {
-        let (pattern, values) = grid(90, 0.1);
+        // Large enough for blocks of columns to pay.
+        let (pattern, values) = grid(200, 0.1);
         let n = pattern.size();
         let analysis = Arc::new(Analysis::new(pattern).unwrap());
         assert!(matches!(analysis.symbolic.raw(), SymbolicCholeskyRaw::Supernodal(_)));

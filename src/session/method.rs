@@ -82,6 +82,9 @@ impl Session {
                 format!("Choose one of {}.", Method::known()),
             ));
         };
+        if self.work.is_none() && self.wanted_method != method {
+            self.field = method.first_field().into();
+        }
         self.wanted_method = method;
         if self.method() == method {
             events.push(self.methods());
@@ -92,10 +95,7 @@ impl Session {
         }
         self.is_running = false;
         self.remember(&format!("change to {}", method.label().to_lowercase()), "method");
-        let Some(work) = &mut self.work else {
-            self.field = method.first_field().into();
-            return Ok(());
-        };
+        let Some(work) = &mut self.work else { return Ok(()) };
         let field = work.change_method(method, &self.field);
         self.field = field.unwrap_or_else(|| method.first_field().into());
         match method {

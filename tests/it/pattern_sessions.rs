@@ -221,6 +221,8 @@ fn what_cannot_be_had_is_told_and_the_rest_is_made() {
 fn nesting_goes_on_until_it_is_paused_and_never_wastes_more() {
     let mut session = Session::new();
     session.handle(Command::OpenSample { name: "tennis_ball".into() });
+    // Shorter is then less waste: without limits it is the side of a square that is made small.
+    set(&mut session, "stock", text("roll"));
     session.handle(Command::ShowPattern { is_shown: true });
     let used = |session: &mut Session| session.pattern_report().unwrap().utilisation;
     let before = used(&mut session);

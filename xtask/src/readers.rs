@@ -1,5 +1,6 @@
 //! Readers that are not ours: programs and libraries that open what Cutflow exports, and measure it.
 
+use std::env::consts::EXE_EXTENSION;
 use std::fs;
 
 use anyhow::{Context, Result};
@@ -32,21 +33,14 @@ pub fn test() -> Result<()> {
         fs::remove_dir_all(&files)
             .with_context(|| format!("could not remove {}", files.display()))?;
     }
+    // The whole workspace, whose features are those of the native tests: nothing is compiled for this alone.
     let mut writer = process::cargo("test");
-    writer.args(["--package", "cutflow", "--test", "it", "--", "--ignored", "--exact", WRITER]);
+    writer.args(["--workspace", "--test", "it", "--", "--ignored", "--exact", WRITER]);
     process::run(writer.env("CUTFLOW_READER_FILES", &files))?;
-    let mut command = process::cargo("run");
-    command.args([
-        "--package",
-        "cutflow",
-        "--quiet",
-        "--",
-        "cut",
-        "sample:ball",
-        "--steps",
-        "3",
-        "-o",
-    ]);
+    // Built with the tests, which run it as well.
+    let command = project::target().join("debug/cutflow").with_extension(EXE_EXTENSION);
+    let mut command = process::command(command);
+    command.args(["cut", "sample:ball", "--steps", "3", "-o"]);
     process::run(command.arg(files.join("command")))?;
 
     // Both, so that one run tells all.
