@@ -136,9 +136,7 @@ describe("comparing", { timeout: 600_000 }, () => {
     await count(before + 2);
     await page.status(/^Paused at step 1$/);
     const numbers = (await rows()).slice(1, 4).map((line) => line.map((text) => /^[^a-z]*/i.exec(text)[0]));
-    const [worker] = browser.page.workers();
-    // What the worker says of itself after a panic.
-    await worker.evaluate(() => self.postMessage({ type: "died", reason: "a test" }));
+    await page.endSolver();
     await panel.getByText(/results from before stay to be read/).waitFor();
     await page.status(/^Paused at step 1$/);
     assert.equal(await results().count(), before + 2);

@@ -234,10 +234,7 @@ describe("meshes as they come", { timeout: 600_000 }, () => {
     await width.fill("100");
     await width.press("Enter");
     await page.until("the size is set", () => page.sizes(), ([x]) => isLength(x, 100));
-    const [worker] = browser.page.workers();
-    // What the worker says of itself after a panic.
-    await worker.evaluate(() => self.postMessage({ type: "died", reason: "a test" }));
-    await page.until("a new worker", () => browser.page.workers()[0], (now) => now && now !== worker);
+    await page.endSolver();
     await page.until("the same mesh", () => page.counts(), (now) => now.faces === counts.faces);
     await page.until("the same size", () => page.sizes(), ([x]) => isLength(x, 100));
   });

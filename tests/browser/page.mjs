@@ -133,6 +133,14 @@ export class Page {
     return { vertices: number("vert"), faces: number("face") };
   }
 
+  /** Lets the solver say of itself what it says after a panic, and waits for the one that takes its place. */
+  async endSolver() {
+    const [worker] = this.page.workers();
+    // The page may end it before it has answered here.
+    await worker.evaluate(() => self.postMessage({ type: "died", reason: "a test" })).catch(() => {});
+    await this.until("a new solver", () => this.page.workers()[0], (now) => now && now !== worker);
+  }
+
   /** Waits until `answer()` says what is wanted, and gives it. */
   async until(what, answer, isWanted) {
     const end = Date.now() + PATIENCE_MS;
