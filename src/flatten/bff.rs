@@ -26,7 +26,7 @@ use nalgebra::Point2;
 use super::closing::{MAX_LOG_RATIO, Polygons, Turns};
 use super::{Flattening, NoChart, rims};
 use crate::geometry::{Geometry, angle_defects};
-use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
+use crate::linalg::{Analysis, Factor, LinalgError, Pattern, worse};
 use crate::mesh::{EdgeId, HalfedgeId, Mesh, OpenedMesh, VertexId};
 
 /// Flattens every patch that is a disk, keeping the lengths of its rim as far as it can be closed (u = 0 on rims).
@@ -246,7 +246,9 @@ impl<'a> Problem<'a> {
     ) -> Result<Flattening, LinalgError> {
         let mut residual = 0.0;
         let mut solve = |factor: &mut Factor, x: &mut [f64], columns: usize| match values {
-            Some(values) => residual = factor.solve_measured(values, x, columns).max(residual),
+            Some(values) => {
+                residual = worse(residual, factor.solve_measured(values, x, columns));
+            }
             None => factor.solve(x, columns),
         };
         let rows = factor.analysis().pattern().size();

@@ -21,7 +21,7 @@ use super::disks::{Disks, log_scales};
 use super::overlap::orientation;
 use super::{Flattening, rims, small};
 use crate::geometry::Geometry;
-use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
+use crate::linalg::{Analysis, Factor, LinalgError, Pattern, worse};
 use crate::mesh::{FaceId, HalfedgeId, OpenedMesh, VertexId};
 
 /// tan ½γ stays below this: an angle of π has no neighbour that far away to lean on.
@@ -314,7 +314,7 @@ impl<'a> Problem<'a> {
         }
         let mut x: Vec<f64> = rhs.iter().map(|z| z.re).chain(rhs.iter().map(|z| z.im)).collect();
         let residual = system.factor.solve_measured(&system.values, &mut x, 2);
-        self.residual = residual.max(self.residual);
+        self.residual = worse(self.residual, residual);
         (0..n).map(|v| Complex::new(x[v], x[n + v])).collect()
     }
 
@@ -422,8 +422,8 @@ impl<'a> Problem<'a> {
         for &v in &unknown {
             let mean: Complex<f64> = rows[v].iter().map(|&(w, weight)| x[w] * weight).sum();
             let off = (mean - x[v]).norm();
-            if off > 0.0 {
-                self.residual = self.residual.max(off / size);
+            if !(off <= 0.0) {
+                self.residual = worse(self.residual, off / size);
             }
         }
         // Patches that failed here alone keep the interior that they have.

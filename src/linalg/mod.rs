@@ -323,8 +323,7 @@ impl Factor {
         let pattern = self.analysis.pattern();
         let mut product = vec![0.0; pattern.size];
         let (mut error, mut size) = (0.0, 0.0);
-        // `f64::max` would drop what is no number.
-        let largest = |most: f64, x: f64| if x.abs() > most || x.is_nan() { x.abs() } else { most };
+        let largest = |most: f64, x: f64| worse(most, x.abs());
         for (x, b) in rhs.chunks_exact(pattern.size).zip(wanted.chunks_exact(pattern.size)) {
             pattern.multiply(values, x, &mut product);
             error = product.iter().zip(b).map(|(p, b)| p - b).fold(error, largest);
@@ -337,6 +336,11 @@ impl Factor {
     pub fn analysis(&self) -> &Arc<Analysis> {
         &self.analysis
     }
+}
+
+/// The larger of two residuals, and what is no number before any: `f64::max` would drop it.
+pub(crate) fn worse(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
 }
 
 #[cfg(test)]
@@ -400,6 +404,12 @@ mod tests {
             nothing[7] = f64::NAN;
             assert!(factor.solve_measured(&scaled, &mut nothing, 3).is_nan());
         }
+    }
+
+    #[test]
+    fn what_is_no_number_is_the_worst_residual() {
+        assert_eq!((worse(1.0, 2.0), worse(2.0, 1.0)), (2.0, 2.0));
+        assert!(worse(f64::NAN, 1.0).is_nan() && worse(1.0, f64::NAN).is_nan());
     }
 
     #[test]
