@@ -39,7 +39,7 @@ export function coneMethod(on) {
     clear: () => on.send({ type: "clear_cones" }),
     lambda: on.lambda,
   });
-  const plot = distortionPlot(byId("distortion-plot"));
+  const plot = distortionPlot(byId("distortion-plot"), byId("distortion-kind"));
   const comparison = comparisonPanel(byId("measures"));
   const tool = coneTool({
     changed(isHeld) {
@@ -114,7 +114,8 @@ export function coneMethod(on) {
     const part = event.lambda / event.lambda_max;
     // From λ_max on a higher price changes nothing.
     const place = part > 1 ? `above λ_max ${dial(event.lambda_max)}` : `${fixed(100 * part, 1)}\u202f% of λ_max`;
-    const share = event.lambda_max > 0 ? `λ ${dial(event.lambda)}, ${place}` : `λ ${dial(event.lambda)}`;
+    // An estimate may be several times too large.
+    const share = event.lambda_max > 0 && event.is_lambda_max_exact ? `λ ${dial(event.lambda)}, ${place}` : `λ ${dial(event.lambda)}`;
     const certificate = event.is_edited ? ["edited by hand"] : [`residual ${short(event.kkt_residual)}`, `gap ${short(event.gap)}`];
     return [...time, share, ...certificate].join(", ");
   }
@@ -218,10 +219,10 @@ export function coneMethod(on) {
     /** What Learn tells of the solution: `[name, text]`. */
     figures() {
       if (!last) return [];
-      const { lambda, lambda_max: most, raw_count: raw, cones, total_angle: total } = last;
+      const { lambda, lambda_max: most, is_lambda_max_exact: isExact, raw_count: raw, cones, total_angle: total } = last;
       return [
         ["Price λ", dial(lambda)],
-        ["λ_max", dial(most)],
+        ["λ_max", isExact ? dial(most) : "traced with the path"],
         ["Vertices that are cones", String(raw)],
         ["Cones shown", String(cones.length)],
         ["Total angle Σ|μ|", pi(total)],

@@ -58,8 +58,14 @@ export function parse(text) {
   return plain === "" ? NaN : Number(plain);
 }
 
+/** An angle in radians in units of π, with two decimals; a smaller one with two digits that mean something, down to a millionth. */
+export function inPi(angle) {
+  const size = Math.abs(angle / Math.PI);
+  return fixed(angle / Math.PI, size > 0 && size < 0.095 ? Math.min(6, 1 - Math.floor(Math.log10(size))) : 2);
+}
+
 /** An angle in radians as a multiple of π: `0.44 π`. */
-export const pi = (angle, decimals = 2) => `${fixed(angle / Math.PI, decimals)}\u202fπ`;
+export const pi = (angle) => `${inPi(angle)}\u202fπ`;
 
 /** What a person typed for an angle in units of π, in radians: `0.5`, `-1/2`, `2π/3`. NaN where it says no angle. */
 export function parsePi(text) {
@@ -81,6 +87,37 @@ export function ticks(top, parts, whole = false) {
   for (let i = 0; i * step <= top * 1.0001; i += 1) list.push(i * step);
   return list;
 }
+
+/** The same for `[low, high]` with `low ≤ 0 ≤ high`: ticks on either side of 0. */
+export function ticksBetween(low, high, parts) {
+  const step = ticks(Math.max(high - low, 1e-300), parts)[1] ?? 1;
+  const list = [];
+  for (let i = Math.ceil((low / step) * 0.9999); i * step <= high * 1.0001 || i <= 0; i += 1) list.push(i * step);
+  return list;
+}
+
+/** 1, 2 and 5 times powers of ten inside a range. */
+export function rounds(min, max) {
+  const list = [];
+  for (let k = Math.floor(Math.log10(min)); 10 ** k <= max; k += 1) list.push(...[1, 2, 5].map((m) => Number(`${m}e${k}`)));
+  return list.filter((value) => value >= min * (1 - 1e-9) && value <= max * (1 + 1e-9));
+}
+
+/** A tick without decimals that say nothing. */
+export function tick(value) {
+  const text = short(value);
+  return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+}
+
+/** 0.001, 0.01 …: the powers of ten inside a range. */
+export function decades(min, max) {
+  const list = [];
+  for (let k = Math.ceil(Math.log10(min) - 1e-9); 10 ** k <= max * (1 + 1e-9); k += 1) list.push(10 ** k);
+  return list;
+}
+
+/** A power of ten without zeros that say nothing. */
+export const power = (value) => (value >= 1e-4 ? String(Number(value.toPrecision(1))) : dial(value));
 
 /** 1, 2 or 5 times a power of ten: the largest up to `value`. */
 export function roundBelow(value) {

@@ -87,10 +87,6 @@ enum Role {
     Rim,
 }
 
-/// How much lengths may change, as a log ratio, before partners turn together instead. Smaller, and directions change that need not;
-/// larger, and a few sides become much longer or shorter than their scale factors say.
-pub(super) const MAX_STRETCH: f64 = 0.1;
-
 struct Problem<'a> {
     opened: &'a OpenedMesh,
     mesh: &'a Mesh,
@@ -277,7 +273,8 @@ impl<'a> Problem<'a> {
                 rim_curvatures[ends[1].index()] -= flux;
             });
         }
-        let Closed { places, seams_equal, angles_exact } = self.close_rims(&rim_curvatures)?;
+        let Closed { places, seams_equal, angles_exact, closing } =
+            self.close_rims(&rim_curvatures)?;
 
         let mut coordinates = vec![0.0; 2 * rows];
         for &(inside, rim, weight) in &rim_edges {
@@ -312,7 +309,15 @@ impl<'a> Problem<'a> {
             }
         }
         let charts = self.charts;
-        Ok(Flattening { charts, uv, u: scale_factors, seams_equal, angles_exact, residual })
+        Ok(Flattening {
+            charts,
+            uv,
+            u: scale_factors,
+            seams_equal,
+            angles_exact,
+            closing,
+            residual,
+        })
     }
 
     /// Places of the rim vertices.
@@ -338,11 +343,13 @@ impl<'a> Problem<'a> {
             self.push_directions(rim, rim_curvatures, &mut polygons.directions);
             polygons.starts.push(polygons.directions.len());
         }
-        let angles_exact = self.rim_u.is_some()
-            && (polygons.close_together(Turns::None, MAX_STRETCH)?
-                || polygons.close_together(Turns::Shared, MAX_LOG_RATIO)?
-                || polygons.close_together(Turns::None, MAX_LOG_RATIO)?);
-        let seams_equal = angles_exact || polygons.close_together(Turns::Free, MAX_LOG_RATIO)?;
+        let keeping = if self.rim_u.is_some() { polygons.close_keeping_angles()? } else { None };
+        let angles_exact = keeping.is_some();
+        let closing = match keeping {
+            Some(closing) => Some(closing),
+            None => polygons.close_together(Turns::Free, MAX_LOG_RATIO)?,
+        };
+        let seams_equal = closing.is_some();
         if !seams_equal {
             polygons.close_apart();
         }
@@ -350,7 +357,7 @@ impl<'a> Problem<'a> {
         for (h, corner) in self.charts.iter().flatten().flatten().zip(polygons.corners()) {
             places[self.mesh.tail(*h).index()] = corner;
         }
-        Ok(Closed { places, seams_equal, angles_exact })
+        Ok(Closed { places, seams_equal, angles_exact, closing: closing.unwrap_or(0.0) })
     }
 
     /// Directions of a rim's sides, the first 0, each turned left from the one before by the curvature between them.
@@ -378,6 +385,7 @@ struct Closed {
     places: Vec<Point2<f64>>,
     seams_equal: bool,
     angles_exact: bool,
+    closing: f64,
 }
 
 /// l e^{(u_a + u_b) / 2}, or l without u.

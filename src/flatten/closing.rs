@@ -28,7 +28,7 @@ use std::sync::Arc;
 use nalgebra::{Point2, Vector2};
 
 use super::{small, turned};
-use crate::linalg::{Analysis, Factor, LinalgError, Pattern};
+use crate::linalg::{Analysis, Factor, LinalgError, Pattern, worse};
 
 /// Which directions may change when polygons are closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,23 +57,26 @@ pub(super) struct Polygons {
 const MAX_ROUNDS: usize = 25;
 /// A round changes no log length and no direction by more than this, so that far starts do not overshoot.
 const MAX_CHANGE: f64 = 0.5;
+/// How much lengths may change, as a log ratio, before partners turn together instead. Smaller, and directions change that need not;
+/// larger, and a few sides become much longer or shorter than their scale factors say.
+const MAX_STRETCH: f64 = 0.1;
 /// Log length ratio beyond which a "nearly closed" polygon was not: better closed without its partners.
 pub(super) const MAX_LOG_RATIO: f64 = 1.0;
 /// Misclosure left, as a fraction of the perimeter: rounding of a few thousand sides.
 const CLOSED: f64 = 1e-14;
 
 impl Polygons {
-    /// Closes all polygons, seam lengths shared. **Gives** false, and changes nothing, where no solution is near: lengths
-    /// would change by more than a factor e^`max_log_ratio`.
+    /// Closes all polygons, seam lengths shared. **Gives** the largest change of a log length or a direction, none where no solution
+    /// is near and nothing was changed: lengths would change by more than a factor e^`max_log_ratio`.
     ///
     /// **Costs** a few factorisations with 2 rows for each polygon.
     pub fn close_together(
         &mut self,
         turns: Turns,
         max_log_ratio: f64,
-    ) -> Result<bool, LinalgError> {
+    ) -> Result<Option<f64>, LinalgError> {
         if self.starts.len() < 2 {
-            return Ok(true);
+            return Ok(Some(0.0));
         }
         let mut system = System::new(self, turns)?;
         let (mut lengths, mut directions) = (self.lengths.clone(), self.directions.clone());
@@ -84,16 +87,18 @@ impl Polygons {
             // Convergence is quadratic until rounding, which long rims may keep above the threshold.
             if worst <= CLOSED || (worst < 1e-11 && worst > 0.5 * least) {
                 let ratio = |(new, old): (&f64, &f64)| (new / old).ln().abs();
-                if lengths.iter().zip(&self.lengths).map(ratio).fold(0.0, f64::max) > max_log_ratio
-                {
-                    return Ok(false);
+                let stretch = lengths.iter().zip(&self.lengths).map(ratio).fold(0.0, worse);
+                if !(stretch <= max_log_ratio) {
+                    return Ok(None);
                 }
+                let turn = |(new, old): (&f64, &f64)| (new - old).abs();
+                let turned = directions.iter().zip(&self.directions).map(turn).fold(stretch, worse);
                 (self.lengths, self.directions) = (lengths, directions);
-                return Ok(true);
+                return Ok(Some(turned));
             }
             least = least.min(worst);
             let Some(changes) = system.solve(self, &sides, &lengths, gaps)? else {
-                return Ok(false);
+                return Ok(None);
             };
             let all = changes.stretches.iter().chain(&changes.turns);
             let damping = (MAX_CHANGE / all.fold(0.0, |m: f64, x| m.max(x.abs()))).min(1.0);
@@ -104,7 +109,23 @@ impl Polygons {
                 *direction += damping * turn;
             }
         }
-        Ok(false)
+        Ok(None)
+    }
+
+    /// The same with the angles about points on seams kept: by lengths alone where that changes them little, else by turns of partners, at
+    /// last by lengths that change much.
+    pub fn close_keeping_angles(&mut self) -> Result<Option<f64>, LinalgError> {
+        for (turns, most) in [
+            (Turns::None, MAX_STRETCH),
+            (Turns::Shared, MAX_LOG_RATIO),
+            (Turns::None, MAX_LOG_RATIO),
+        ] {
+            let closing = self.close_together(turns, most)?;
+            if closing.is_some() {
+                return Ok(closing);
+            }
+        }
+        Ok(None)
     }
 
     /// Closes every polygon for itself: z ← z − l Σz / Σl. Never fails, because |Σz| < Σl; partners become unequal.
@@ -347,8 +368,12 @@ mod tests {
     fn mirror_images_that_share_all_sides_close_with_small_changes() {
         for noise in [0.0, 1e-9, 1e-3, 0.1] {
             let mut polygons = mirrored(60, noise);
-            let before = polygons.lengths.clone();
-            assert!(polygons.close_together(Turns::Free, MAX_LOG_RATIO).unwrap());
+            let (before, aimed) = (polygons.lengths.clone(), polygons.directions.clone());
+            let told = polygons.close_together(Turns::Free, MAX_LOG_RATIO).unwrap().unwrap();
+            let stretches = polygons.lengths.iter().zip(&before).map(|(a, b)| (a / b).ln().abs());
+            let turns = polygons.directions.iter().zip(&aimed).map(|(a, b)| (a - b).abs());
+            let most = stretches.chain(turns).fold(0.0, f64::max);
+            assert!((told - most).abs() < 1e-15, "{told} {most}");
             let sides = polygons.sides(&polygons.lengths, &polygons.directions);
             assert!(polygons.gaps(&sides).1 < 1e-13);
             for (new, old) in polygons.lengths.iter().zip(&before) {
@@ -371,7 +396,7 @@ mod tests {
             lengths: polygons.lengths.clone(),
             directions: polygons.directions.clone(),
         };
-        assert!(polygons.close_together(Turns::Free, MAX_LOG_RATIO).unwrap());
+        assert!(polygons.close_together(Turns::Free, MAX_LOG_RATIO).unwrap().is_some());
         apart.close_apart();
         for (p, q) in polygons.corners().iter().zip(apart.corners()) {
             // They differ by the square of the noise.
@@ -387,7 +412,7 @@ mod tests {
             *direction = 0.01 * PI * i as f64 / 60.0;
         }
         let (lengths, directions) = (polygons.lengths.clone(), polygons.directions.clone());
-        assert!(!polygons.close_together(Turns::Free, MAX_LOG_RATIO).unwrap());
+        assert!(polygons.close_together(Turns::Free, MAX_LOG_RATIO).unwrap().is_none());
         assert_eq!((&polygons.lengths, &polygons.directions), (&lengths, &directions));
         polygons.close_apart();
         let sides = polygons.sides(&polygons.lengths, &polygons.directions);
@@ -422,7 +447,7 @@ mod tests {
         let mut polygons = folded(30, 0.0);
         let before = polygons.lengths.clone();
         let directions = polygons.directions.clone();
-        assert!(polygons.close_together(Turns::None, 3.0).unwrap());
+        assert!(polygons.close_together(Turns::None, 3.0).unwrap().is_some());
         assert_eq!(polygons.directions, directions);
         let sides = polygons.sides(&polygons.lengths, &polygons.directions);
         assert!(polygons.gaps(&sides).1 < 1e-13);
@@ -448,7 +473,7 @@ mod tests {
         // Mirror images: dependent for lengths alone.
         let mut polygons = mirrored(60, 1e-3);
         let before = polygons.directions.clone();
-        assert!(polygons.close_together(Turns::Shared, MAX_LOG_RATIO).unwrap());
+        assert!(polygons.close_together(Turns::Shared, MAX_LOG_RATIO).unwrap().is_some());
         let sides = polygons.sides(&polygons.lengths, &polygons.directions);
         assert!(polygons.gaps(&sides).1 < 1e-13);
         for s in 0..60 {
@@ -459,7 +484,7 @@ mod tests {
         // Sides without partner keep their directions.
         let mut polygons = folded(30, 0.2);
         let before = polygons.directions.clone();
-        assert!(polygons.close_together(Turns::Shared, 3.0).unwrap());
+        assert!(polygons.close_together(Turns::Shared, 3.0).unwrap().is_some());
         assert_eq!(polygons.directions[60..], before[60..]);
         let turn = |s: usize| polygons.directions[s] - before[s];
         assert!((0..60).all(|s| (turn(s) - turn(59 - s)).abs() < 1e-14));

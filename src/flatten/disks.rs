@@ -104,7 +104,15 @@ impl<'a> Disks<'a> {
         }
         let u = log_scales(self.opened, self.geometry, &uv);
         let charts = self.charts;
-        Flattening { charts, uv, u, seams_equal: false, angles_exact: false, residual }
+        Flattening {
+            charts,
+            uv,
+            u,
+            seams_equal: false,
+            angles_exact: false,
+            closing: 0.0,
+            residual,
+        }
     }
 }
 

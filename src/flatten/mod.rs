@@ -101,6 +101,9 @@ pub struct Flattening {
     /// Whether the angles about points on seams are those of u (see [`bff_scaled`]). Never with isometric rims ([`bff`]), where
     /// curvature is left all along the seams.
     pub angles_exact: bool,
+    /// By how much rims had to give way to be closed: the largest log ratio of lengths or turn of a direction, radians, where partners
+    /// closed together; 0 where nothing had to.
+    pub closing: f64,
     /// Largest relative residual of the linear solves that gave the places ([`crate::linalg::Factor::solve_measured`]); 0 where there are none, or
     /// where another measure says how good they are.
     pub residual: f64,
@@ -116,6 +119,7 @@ impl Flattening {
             u: vec![f64::NAN; count],
             seams_equal: true,
             angles_exact: false,
+            closing: 0.0,
             residual: 0.0,
         }
     }

@@ -1,8 +1,11 @@
-//! Solving with a supernodal factor for one to four right-hand sides at a time.
+//! Solving with a factor for one to four right-hand sides at a time.
 //!
 //! On meshes of surfaces most supernodes have a few columns: general kernels spend more time on being called for them than on
-//! the numbers, plain loops do not.
+//! the numbers, plain loops do not. Where there are no supernodes several right-hand sides share the reading of the factor, which is
+//! what takes the time.
 
+use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
+use faer::sparse::linalg::cholesky::simplicial::SymbolicSimplicialCholesky;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 /// A supernode of the factor L: consecutive columns with one pattern.
@@ -109,25 +112,65 @@ fn products<const N: usize>(column: &[f64], x: &[[f64; N]]) -> [f64; N] {
 /// **Takes** the factor's values, the order of elimination (entry `i` names the row that is eliminated as number `i`), and N
 /// right-hand sides one after the other.
 pub(super) fn solve<const N: usize>(
-    symbolic: &SymbolicSupernodalCholesky<u32>,
+    symbolic: &SymbolicCholeskyRaw<u32>,
     values: &[f64],
     order: Option<&[u32]>,
     rhs: &mut [f64],
 ) {
-    let size = symbolic.nrows();
+    let size = rhs.len() / N;
     let row = |i: usize| order.map_or(i, |order| order[i] as usize);
     let mut x: Vec<[f64; N]> =
         (0..size).map(|i| std::array::from_fn(|k| rhs[k * size + row(i)])).collect();
-    let mut below = Vec::new();
-    for s in 0..symbolic.n_supernodes() {
-        Block::new(symbolic, values, s).forward(&mut x, &mut below);
-    }
-    for s in (0..symbolic.n_supernodes()).rev() {
-        Block::new(symbolic, values, s).backward(&mut x, &mut below);
+    match symbolic {
+        SymbolicCholeskyRaw::Supernodal(blocks) => by_blocks(blocks, values, &mut x),
+        SymbolicCholeskyRaw::Simplicial(columns) => by_columns(columns, values, &mut x),
     }
     for (i, x) in x.iter().enumerate() {
         for (k, value) in x.iter().enumerate() {
             rhs[k * size + row(i)] = *value;
         }
+    }
+}
+
+fn by_blocks<const N: usize>(
+    symbolic: &SymbolicSupernodalCholesky<u32>,
+    values: &[f64],
+    x: &mut [[f64; N]],
+) {
+    let mut below = Vec::new();
+    for s in 0..symbolic.n_supernodes() {
+        Block::new(symbolic, values, s).forward(x, &mut below);
+    }
+    for s in (0..symbolic.n_supernodes()).rev() {
+        Block::new(symbolic, values, s).backward(x, &mut below);
+    }
+}
+
+/// Every column begins with its diagonal entry.
+fn by_columns<const N: usize>(
+    symbolic: &SymbolicSimplicialCholesky<u32>,
+    values: &[f64],
+    x: &mut [[f64; N]],
+) {
+    let starts = symbolic.col_ptr();
+    let column = |j: usize| {
+        let range = starts[j] as usize..starts[j + 1] as usize;
+        let (rows, values) = (&symbolic.row_idx()[range.clone()], &values[range]);
+        (values[0], rows[1..].iter().map(|&row| row as usize).zip(&values[1..]))
+    };
+    for j in 0..x.len() {
+        let (diagonal, below) = column(j);
+        x[j].iter_mut().for_each(|x| *x /= diagonal);
+        let pivot = x[j];
+        below.for_each(|(row, l)| subtract(&mut x[row], *l, &pivot));
+    }
+    for j in (0..x.len()).rev() {
+        let (diagonal, below) = column(j);
+        let mut rest = x[j];
+        below.for_each(|(row, l)| {
+            let known = x[row];
+            subtract(&mut rest, *l, &known);
+        });
+        x[j] = rest.map(|x| x / diagonal);
     }
 }

@@ -14,10 +14,11 @@ use super::cut_file::labels_from_json;
 use super::message::{Event, Value};
 use super::method::Method;
 use super::paint::with_paint;
+use super::project::Gift;
 use super::surface::Surface;
 use super::text::Problem;
 use super::work::{Pending, start_flow};
-use super::{Entry, Gift, Session, nothing_open};
+use super::{Entry, Session, nothing_open};
 use crate::geometry::visibility;
 use crate::mesh::VertexId;
 

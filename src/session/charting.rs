@@ -32,6 +32,9 @@ use crate::methods::flow::SolveError;
 /// of cones with angles below 1e-6 open by as little, or close by as little too much.
 const SLIT: f64 = 1e-8;
 
+/// How much the rims of a cone metric may give way to be closed, as log ratio or radians, before conformal equivalence is tried.
+const MOST_CLOSING: f64 = 0.1;
+
 /// The parameters of charts: of every method.
 pub(super) fn specs() -> Vec<ParamSpec> {
     let charts = "Charts";
@@ -329,7 +332,9 @@ impl Patches<'_> {
         let geometry = measure_opened(&self.opened, &self.points);
         let flattening = self.bff(&geometry, metric)?;
         let flipped = flattening.flipped(&self.opened);
-        let is_exact = metric.is_none() || flattening.angles_exact;
+        // A rim that had to give way much shears what lies inside it.
+        let is_exact =
+            metric.is_none() || flattening.angles_exact && flattening.closing <= MOST_CLOSING;
         let too_sharp = metric.is_some_and(|m| m.cones.iter().any(|c| !(c.angle < TAU)));
         if (flipped == 0 && is_exact) || too_sharp {
             return Ok(self.charted(geometry, flattening, "bff"));

@@ -9,8 +9,8 @@ use super::surface::Surface;
 use super::text::Problem;
 use crate::flatten::comparison::Specimen;
 use crate::flatten::flatten_sphere;
-use crate::mesh::{CutMesh, MeshError, SurfacePoint, VertexId, uv_seams};
-use crate::methods::cutflow::labelled_cut;
+use crate::mesh::{CutMesh, HalfedgeId, MeshError, SurfacePoint, VertexId, uv_seams};
+use crate::methods::straighten::cut_along;
 use crate::pattern;
 
 #[derive(Deserialize)]
@@ -18,13 +18,19 @@ struct CutFile {
     cutflow_cut: u32,
     vertices: usize,
     points: Vec<Point>,
+    /// Two points, and the pieces on their left and right.
+    #[serde(default)]
+    segments: Vec<[u32; 4]>,
     vertex_labels: Vec<Option<u32>>,
 }
 
 #[derive(Deserialize)]
 struct Point {
+    vertex: Option<usize>,
     edge: Option<[usize; 2]>,
     t: Option<f64>,
+    face: Option<[usize; 3]>,
+    weights: Option<[f64; 3]>,
 }
 
 /// Whether a file is one of ours that describes a cut.
@@ -71,33 +77,63 @@ fn parse(surface: &Surface, name: &str, bytes: &[u8]) -> Result<(CutFile, Vec<u3
     Ok((file, labels))
 }
 
-/// The cut that a `cut.json` describes, on the mesh that it was made for. Cuts that only turned patches into disks are
-/// not part of it: they are made again.
+/// The very cut of a `cut.json`, on the mesh that it was made for: cuts that only opened pieces into disks and seams that end inside a
+/// piece are part of it.
 pub fn cut_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<CutMesh, Problem> {
-    let wrong = |what: String| refused(name, what);
-    let (file, labels) = parse(surface, name, bytes)?;
-    let mut crossings: Vec<([VertexId; 2], f64)> = Vec::new();
-    for point in &file.points {
-        let (Some([a, b]), Some(t)) = (point.edge, point.t) else { continue };
-        let (Some(a), Some(b)) = (surface.mesh_vertex(a), surface.mesh_vertex(b)) else {
-            return Err(wrong(format!("There is no edge from vertex {a} to vertex {b}.")));
-        };
-        if !(t > 0.0 && t < 1.0) {
-            return Err(wrong(format!(
-                "The place {t} on the edge from {} to {} is out of range.",
-                a.0, b.0
-            )));
-        }
-        crossings.push(if a < b { ([a, b], t) } else { ([b, a], 1.0 - t) });
-    }
-    crossings.sort_by_key(|(ends, _)| *ends);
-    let place = |ends: [VertexId; 2]| {
-        let sorted = [ends[0].min(ends[1]), ends[0].max(ends[1])];
-        let found = crossings.binary_search_by_key(&sorted, |(ends, _)| *ends).ok()?;
-        let t = crossings[found].1;
-        Some(if sorted == ends { t } else { 1.0 - t })
+    let (file, _) = parse(surface, name, bytes)?;
+    let places: Vec<SurfacePoint> = file
+        .points
+        .iter()
+        .map(|p| place(surface, p).map_err(|what| refused(name, what)))
+        .collect::<Result<_, _>>()?;
+    let pieces: Vec<[u32; 2]> = file.segments.iter().map(|&[a, b, ..]| [a, b]).collect();
+    cut_along(&surface.mesh, &surface.geometry, &places, &pieces).ok_or_else(|| {
+        refused(name, "The lines of this cut cross, or do not lie on the mesh.".to_owned())
+    })
+}
+
+/// Where a point of the file lies; else what is wrong with it.
+fn place(surface: &Surface, point: &Point) -> Result<SurfacePoint, String> {
+    let mesh = &surface.mesh;
+    let vertex =
+        |v: usize| surface.mesh_vertex(v).ok_or_else(|| format!("There is no vertex {v}."));
+    let halfedge = |[a, b]: [usize; 2]| {
+        let ends = [vertex(a)?, vertex(b)?];
+        let find = |[a, b]: [VertexId; 2]| mesh.outgoing(a).find(|&h| mesh.tip(h) == b);
+        find(ends)
+            .or_else(|| find([ends[1], ends[0]]).map(HalfedgeId::twin))
+            .ok_or_else(|| format!("There is no edge from vertex {a} to vertex {b}."))
     };
-    Ok(labelled_cut(&surface.mesh, &surface.geometry, &labels, place))
+    match *point {
+        Point { vertex: Some(v), .. } => Ok(SurfacePoint::Vertex(vertex(v)?)),
+        Point { edge: Some([a, b]), t: Some(t), .. } => {
+            let h = halfedge([a, b])?;
+            if !(t > 0.0 && t < 1.0) {
+                return Err(format!("The place {t} on the edge from {a} to {b} is out of range."));
+            }
+            let first = mesh.edge_vertices(h.edge())[0] == vertex(a)?;
+            Ok(SurfacePoint::Edge(h.edge(), if first { t } else { 1.0 - t }))
+        }
+        Point { face: Some(corners), weights: Some(weights), .. } => {
+            let [a, b, c] = corners;
+            let h = halfedge([a, b])?;
+            let third = vertex(c)?;
+            let named = [vertex(a)?, vertex(b)?, third];
+            let face = [h, h.twin()]
+                .into_iter()
+                .filter_map(|h| mesh.face(h))
+                .find(|&f| mesh.face_vertices(f).contains(&third))
+                .ok_or_else(|| format!("There is no face of the vertices {a}, {b} and {c}."))?;
+            if !weights.iter().all(|w| *w > 0.0 && *w < 1.0) {
+                return Err(format!("The weights {weights:?} are of no place inside a face."));
+            }
+            let own = mesh
+                .face_vertices(face)
+                .map(|v| named.iter().position(|&n| n == v).map_or(0.0, |i| weights[i]));
+            Ok(SurfacePoint::Face(face, own))
+        }
+        _ => Err("A point of the cut has no place.".to_owned()),
+    }
 }
 
 /// The cut along the seams of the mesh's own texture map, exactly: along its edges, slits inside an island included. What
@@ -149,6 +185,13 @@ pub fn specimen(surface: &Surface, cut: Option<CutMesh>) -> Result<Specimen, Pro
     let wrong = |error: MeshError| Problem::solve(&surface.name, &error.into());
     let cut = cut.unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
     let opened = cut.open().map_err(wrong)?;
+    if opened.mesh.boundary_loops().is_empty() {
+        return Err(Problem::new(
+            "The surface is closed and has no cut: there is nothing to lay flat.",
+            format!("{}.", surface.name),
+            "Bring a cut.json, or choose a surface with a boundary.",
+        ));
+    }
     let place = |&p: &SurfacePoint| surface.geometry.locate(&surface.mesh, p);
     let points: Vec<_> = cut.points.iter().map(place).collect();
     let geometry = measure_opened(&opened, &points);

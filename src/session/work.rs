@@ -219,8 +219,8 @@ impl Work {
         self.history.push(now);
         self.stages = None;
         if now.step == 0 {
-            // The start is what it is measured by now.
-            self.start = None;
+            // The start is measured by the new weights.
+            self.start = self.is_settled.then(|| self.rows());
         }
     }
 
@@ -448,7 +448,8 @@ impl Work {
             .map_err(|error| error.problem(&surface.name))?;
         self.put_layout(layout);
         self.is_settled = true;
-        if self.start.is_none() {
+        // Before there are patches the uncut surface is no start to compare with.
+        if self.start.is_none() && self.method != Method::Developable {
             self.start = Some(self.rows());
         }
         self.begin_refinement();
@@ -559,11 +560,15 @@ impl Work {
 
     pub fn cut_report(&self, seconds: Option<f64>) -> Result<CutReport, Problem> {
         let (Some(layout), Some(flow)) = (&self.layout, &self.flow) else {
-            return Err(Problem::new(
-                "There is no cut to report on.",
-                format!("{}, initial cut.", self.document.name),
-                "Choose another initial cut.",
-            ));
+            // What stands in its way says itself when it is begun again.
+            let begun = start_flow(&self.document, &self.settings, &self.layers, None);
+            return Err(begun.err().unwrap_or_else(|| {
+                Problem::new(
+                    "There is no cut to report on.",
+                    format!("{}, initial cut.", self.document.name),
+                    "Choose another initial cut.",
+                )
+            }));
         };
         let energy = flow.state().energy();
         let mut labels = self.labels();
@@ -584,7 +589,8 @@ impl Work {
                 Status::Running => "paused",
             },
             history: self.history.clone(),
-            cut_length: energy.length,
+            // Not −0, which is the sum of nothing.
+            cut_length: energy.length + 0.0,
             disk_cut_length: layout.disk_cut_length,
             hencky: energy.hencky,
             dirichlet: energy.dirichlet,

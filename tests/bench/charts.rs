@@ -3,7 +3,7 @@
 use cutflow::flatten::conformal::{ConformalFlow, ConformalParams, RimCondition};
 use cutflow::flatten::{bff, validate};
 use cutflow::geometry::Geometry;
-use cutflow::mesh::{CutMesh, Mesh, OpenedMesh};
+use cutflow::mesh::{CutMesh, OpenedMesh};
 use cutflow::methods::cones::{ConeFields, ConeFlow, ConeParams, RoundParams, round_clusters};
 use cutflow::methods::cutflow::{Initial, initial_labels, labelled_cut};
 use cutflow::methods::cutgraph::{cut_through, cut_to_disks};
@@ -11,14 +11,7 @@ use cutflow::methods::flow::{Flow, Status};
 use cutflow::session::Document;
 use nalgebra::Point3;
 
-use crate::{Row, factored, factorisation, mean, sphere};
-
-/// Time of one solve with the factor of a mesh's Laplacian.
-fn solve(mesh: &Mesh, geometry: &Geometry) -> f64 {
-    let (mut factor, _) = factored(mesh, geometry);
-    let mut x = vec![1.0; mesh.vertex_count()];
-    mean(10, || factor.solve(&mut x, 1))
-}
+use crate::{Row, factorisation, sphere, time_of};
 
 /// A sphere cut into normal clusters, opened and measured.
 fn cut_sphere(frequency: u32) -> (OpenedMesh, Geometry) {
@@ -38,8 +31,8 @@ pub fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
     let (opened, geometry) = cut_sphere(32);
     let unit = factorisation(&opened.mesh, &geometry, 10);
-    let solve = solve(&opened.mesh, &geometry);
-    let time = mean(5, || {
+    let solve = crate::solve(&opened.mesh, &geometry);
+    let time = time_of(5, || {
         bff(&opened, &geometry).expect("memory suffices");
     });
     rows.push(Row {
@@ -55,7 +48,7 @@ pub fn rows() -> Vec<Row> {
     let (opened, geometry) = cut_sphere(71);
     let flattening = bff(&opened, &geometry).expect("memory suffices");
     let mut is_valid = true;
-    let time = mean(3, || is_valid &= validate(&opened, &flattening, None).is_valid());
+    let time = time_of(3, || is_valid &= validate(&opened, &flattening, None).is_valid());
     assert!(is_valid, "charts of a sphere's clusters are valid");
     rows.push(Row {
         name: format!("exact overlap test of {} triangles", opened.mesh.face_count()),
@@ -92,12 +85,12 @@ fn conformal() -> Vec<Row> {
     assert_eq!((report.rounds, report.doubled), (0, 0), "steps come first, then one layout");
     let steps = report.newton_steps;
     // Three runs of growing length: the clock is too coarse for a step.
-    let before = mean(10, || drop(begin()));
-    let stepped = mean(10, || {
+    let before = time_of(10, || drop(begin()));
+    let stepped = time_of(10, || {
         let mut flow = begin();
         (0..steps).for_each(|_| drop(flow.step().expect("it converges")));
     });
-    let whole = mean(10, || {
+    let whole = time_of(10, || {
         let mut flow = begin();
         while flow.step().expect("it converges").status == Status::Running {}
     });

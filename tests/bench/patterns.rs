@@ -14,7 +14,7 @@ use cutflow::pattern::{
 };
 use nalgebra::Point3;
 
-use crate::{Row, mean, seconds, sphere};
+use crate::{Row, seconds, sphere, time_of};
 
 /// Seconds that nesting has.
 const NESTING: f64 = 10.0;
@@ -63,13 +63,13 @@ fn pieces() -> Vec<Row> {
     let sheet_of = |made: &cutflow::pattern::Blanks| {
         Sheet::new(&made.pieces, &placed, &[], &SheetParams::default())
     };
-    let time = mean(3, || {
+    let time = time_of(3, || {
         let made = ready();
         assert!(!sheet_of(&made).lines.is_empty(), "the sheet has lines");
     });
     let sheet = sheet_of(&made);
     let pages = tiles(&sheet, &PdfParams::default()).map_or(0, |tiles| tiles.len());
-    let writing = mean(3, || {
+    let writing = time_of(3, || {
         pdf(&sheet, &PdfParams::default()).expect("a sheet can be written");
     });
     vec![

@@ -7,7 +7,7 @@ use cutflow::linalg::{Analysis, Factor};
 use cutflow::methods::flow::{Flow, Status};
 use cutflow::methods::phasefield::{PhaseFieldFlow, PhaseFieldParams, Start};
 
-use crate::{Row, mean, seconds, sphere};
+use crate::{Row, seconds, sphere, time_of};
 
 /// Mean time of a step once the first `rest` steps are made.
 fn step_time(flow: &mut PhaseFieldFlow, rest: usize, steps: usize) -> f64 {
@@ -50,11 +50,11 @@ pub fn rows() -> Vec<Row> {
     }
     let x: Vec<f64> = (0..mesh.vertex_count()).map(|i| (i as f64).sin()).collect();
     let mut y = x.clone();
-    let product = mean(200, || pattern.multiply(&values, &x, &mut y));
+    let product = time_of(200, || pattern.multiply(&values, &x, &mut y));
     let analysis = Arc::new(Analysis::new(pattern).expect("memory suffices"));
     let mut factor = Factor::new(analysis, &values).expect("the matrix is positive definite");
-    let numeric = mean(10, || factor.refactor(&values).expect("as before"));
-    let solve = mean(10, || factor.solve(&mut y, 1));
+    let numeric = time_of(10, || factor.refactor(&values).expect("as before"));
+    let solve = time_of(10, || factor.solve(&mut y, 1));
 
     // Endless: what is timed is the step.
     let endless = PhaseFieldParams { tolerance: 0.0, warm_up: 40, ..random };

@@ -214,6 +214,14 @@ for (const renderer of RENDERERS) {
       assert.match(await path().getAttribute("aria-label"), /from \d+ at .* to [\d\u202f]+ at/);
       assert.ok((await browser.page.locator("#distortion-plot path.first").count()) === 1, "there is a curve");
       await screenshot(browser.page, `cones-path-${renderer.name}`);
+      const plot = browser.page.getByLabel("Distortion plot", { exact: true });
+      await plot.selectOption("price");
+      const lines = browser.page.locator("#distortion-plot path:is(.first, .second)");
+      await page.until("two curves", () => lines.count(), (count) => count === 2);
+      assert.match(await browser.page.locator("#distortion-plot svg").getAttribute("aria-label"), /^Distortion and total angle over λ: at λ .* ∫u² .*, total angle .* π$/);
+      await screenshot(browser.page, `cones-price-${renderer.name}`);
+      await plot.selectOption("angle");
+      await page.until("one curve", () => lines.count(), (count) => count === 1);
     });
 
     it("takes an angle in units of π, and sets it free again", async () => {

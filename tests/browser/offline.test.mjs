@@ -123,15 +123,19 @@ describe("offline", { timeout: 600_000 }, () => {
 /** A host that shows the packed page, and after `upload(old)` the same files under another version. */
 async function uploads() {
   let old = null;
-  const server = createServer(async (request, response) => {
+  const server = createServer((request, response) => {
     const path = request.url.slice(1);
     if (old !== null && path.includes(old)) return response.writeHead(404).end();
-    const answer = await fetch(new URL(old === null ? path : path.replaceAll(OTHER, old), PACKED_PAGE));
-    let body = Buffer.from(await answer.arrayBuffer());
+    // A page that has gone asks no more: what was on its way is dropped.
+    answer(path, response).catch(() => response.destroy());
+  });
+  async function answer(path, response) {
+    const found = await fetch(new URL(old === null ? path : path.replaceAll(OTHER, old), PACKED_PAGE));
+    let body = Buffer.from(await found.arrayBuffer());
     // What names the version are the page and its service worker.
     if (old !== null && !VERSION.test(path)) body = Buffer.from(body.toString("utf8").replaceAll(old, OTHER));
-    response.writeHead(answer.status, { "content-type": answer.headers.get("content-type"), "cache-control": "no-store" }).end(body);
-  });
+    response.writeHead(found.status, { "content-type": found.headers.get("content-type"), "cache-control": "no-store" }).end(body);
+  }
   await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
   return {
     url: `http://127.0.0.1:${server.address().port}/`,

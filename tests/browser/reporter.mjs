@@ -1,5 +1,8 @@
 // A line for each test and a plain count at the end.
 
+/** What Node says at the end by itself. */
+const COUNTS = /^(tests|suites|pass|fail|cancelled|skipped|todo|duration_ms) /;
+
 export default async function* reporter(source) {
   const count = { passed: 0, failed: 0, skipped: 0 };
   for await (const { type, data } of source) {
@@ -23,6 +26,11 @@ export default async function* reporter(source) {
         break;
       case "test:diagnostic":
         if (data.nesting > 0) yield `${indent}      ${data.message}\n`;
+        else if (!COUNTS.test(data.message)) {
+          // An error that belongs to no test ends the process with a failure all the same.
+          count.failed += 1;
+          yield `FAIL  outside of a test\n      ${data.message}\n`;
+        }
         break;
       case "test:stdout":
       case "test:stderr":

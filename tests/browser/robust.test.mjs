@@ -362,7 +362,7 @@ describe("robust page", { timeout: 900_000 }, () => {
         delete window.WebAssembly;
       });
       const page = await tab(context);
-      await page.page.route(/main\.js/, (route) => route.abort());
+      await page.page.route(/main\.js/, (route) => route.abort().catch(() => {}));
       await page.page.goto(PAGE);
       await page.page.getByText("it lacks WebAssembly and web workers.").waitFor();
     });

@@ -421,3 +421,91 @@ fn a_mesh_too_coarse_for_its_curvature_is_cut_with_a_notice_that_says_what_to_do
         assert_eq!(note.contains("Refine it under Prepare"), is_coarse, "{n}: {note}");
     }
 }
+
+/// Points and pieces of a `cut.json`, in an order that does not depend on numbers. Places inside faces are told by weights, which are
+/// rounded when they are read.
+fn lines_of(bytes: &[u8]) -> Vec<[String; 2]> {
+    let json: serde_json::Value = serde_json::from_slice(bytes).unwrap();
+    let place = |point: &serde_json::Value| match point["weights"].as_array() {
+        None => point.to_string(),
+        Some(weights) => {
+            let weights: Vec<String> =
+                weights.iter().map(|w| format!("{:.12}", w.as_f64().unwrap())).collect();
+            format!("{} {weights:?}", point["face"])
+        }
+    };
+    let points: Vec<String> = json["points"].as_array().unwrap().iter().map(place).collect();
+    let segments = json["segments"].as_array().unwrap().iter();
+    let mut lines: Vec<[String; 2]> = segments
+        .map(|s| {
+            let mut ends =
+                [0, 1].map(|k| points[usize::try_from(s[k].as_u64().unwrap()).unwrap()].clone());
+            ends.sort();
+            ends
+        })
+        .collect();
+    lines.sort();
+    lines
+}
+
+#[test]
+fn a_cut_file_of_every_method_is_laid_out_line_by_line() {
+    for (sample, method) in [
+        ("ball", "cutflow"),
+        ("wavy_vase", "cones"),
+        ("torus", "cutflow"),
+        ("rounded_box", "phasefield"),
+        ("rounded_box", "developable"),
+    ] {
+        let mut first = Session::new();
+        first.handle(Command::OpenSample { name: sample.into() });
+        first.handle(Command::SetMethod { id: method.into() });
+        if method == "cones" {
+            // Few cones, and seams that end in them.
+            set(&mut first, "lambda", Value::Number(0.1));
+        }
+        first.handle(Command::Run);
+        for _ in 0..60 {
+            if first.is_running() {
+                first.advance(&mut || false);
+            }
+        }
+        first.handle(Command::Pause);
+        let cut = first.export("Cut (JSON)").unwrap().bytes;
+        let wanted = lines_of(&cut);
+        assert!(wanted.len() > 20, "{sample}, {method}: {}", wanted.len());
+
+        let mut second = Session::new();
+        second.handle(Command::OpenSample { name: sample.into() });
+        second.lay_out_cut("cut.json", &cut).unwrap();
+        let again = lines_of(&second.export("Cut (JSON)").unwrap().bytes);
+        assert!(again == wanted, "{sample}, {method}: {} and {} lines", again.len(), wanted.len());
+    }
+}
+
+#[test]
+fn the_command_writes_over_no_file_of_its_own() {
+    let folder = folder("over", 6);
+    let before = std::fs::read(folder.join("ball.obj")).unwrap();
+    let run = |line: &str| {
+        let words = line.split_whitespace();
+        let out = Process::new(env!("CARGO_BIN_EXE_cutflow"))
+            .current_dir(&folder)
+            .args(words)
+            .output()
+            .unwrap();
+        (out.status.success(), String::from_utf8(out.stderr).unwrap())
+    };
+    let (is_done, told) = run("flatten ball.obj -o ball.obj");
+    assert!(!is_done && told.contains("would be lost") && told.contains("what to do"), "{told}");
+    assert_eq!(std::fs::read(folder.join("ball.obj")).unwrap(), before);
+    let (is_done, told) = run("flatten ball.obj -o new.obj --json new.obj");
+    assert!(!is_done && told.contains("would be lost"), "{told}");
+    assert!(std::fs::read_to_string(folder.join("new.obj")).unwrap().contains("\nvt "));
+    let (is_done, told) = run("cut ball.obj --steps 0 -o out.json");
+    assert!(!is_done && told.contains("folder"), "{told}");
+    assert!(!folder.join("out.json").exists());
+    // Saying nothing is answered by what can be said.
+    let (is_done, told) = run("");
+    assert!(!is_done && told.contains("Usage") && !told.contains("error"), "{told}");
+}

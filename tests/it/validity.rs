@@ -22,6 +22,7 @@ pub fn charted(places: &[Point2<f64>], triangles: &[[u32; 3]]) -> (OpenedMesh, F
         u,
         seams_equal: true,
         angles_exact: true,
+        closing: 0.0,
         residual: 0.0,
     };
     (opened, flattening)

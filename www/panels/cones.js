@@ -1,7 +1,7 @@
 // The Cones table: one row a cone, linked with the views by hovering, by clicking and by the keys.
 
 import { h, icon, paced, write } from "../dom.js";
-import { count, fixed, parsePi, pi, plural } from "../format.js";
+import { count, fixed, inPi, parsePi, pi, plural } from "../format.js";
 
 const INTERVAL = 80;
 /** Rows beyond these are made on request: a slider may pass a thousand cones. */
@@ -18,7 +18,6 @@ export const kindOf = (cone) => KINDS[cone.kind]?.[1](cone) ?? null;
 
 /** Six digits for the hand, without zeros that say nothing. */
 const exact = (angle) => fixed(angle / Math.PI, 6).replace(/\.?0+$/, "");
-const brief = (angle) => fixed(angle / Math.PI, 2);
 
 /**
  * @param on `hover(cone)` and `select(cone)` (-1 for none), `setAngle(cone, angle)` (null sets it free),
@@ -116,7 +115,7 @@ export function conesPanel(host, on) {
     const text = angle.value.trim();
     const before = angle.dataset.before;
     const value = parsePi(text);
-    angle.value = brief(cone.angle);
+    angle.value = inPi(cone.angle);
     if (text === before) return;
     if (text === "" || /^free$/i.test(text)) on.setAngle(cone.cone, null);
     else if (Number.isFinite(value)) on.setAngle(cone.cone, value);
@@ -171,7 +170,7 @@ export function conesPanel(host, on) {
       kind.title = text;
       kind.setAttribute("aria-label", text);
       angle.setAttribute("aria-label", `Angle of cone ${cone.cone + 1}`);
-      if (document.activeElement !== angle) angle.value = brief(cone.angle);
+      if (document.activeElement !== angle) angle.value = inPi(cone.angle);
       write(members, count(cone.members));
       write(partner, cone.partner === null || cone.partner === undefined ? "–" : count(cone.partner + 1));
       remove.setAttribute("aria-label", `Remove cone ${cone.cone + 1}`);

@@ -2,7 +2,7 @@
 // and handle are one line.
 
 import { h, paced, s, write } from "../dom.js";
-import { count, dial, plural } from "../format.js";
+import { count, decades, dial, plural, power } from "../format.js";
 import { NOTCHES, scale } from "./number.js";
 
 const INTERVAL = 60;
@@ -14,16 +14,6 @@ const HANDLE = 6;
 
 /** The place of a count: the root shows few beside many. */
 const rise = (n, most) => FLOOR - ((FLOOR - TOP) * Math.sqrt(n)) / Math.sqrt(Math.max(1, most));
-
-/** 0.001, 0.01 …: the powers of ten inside a range. */
-function decades(min, max) {
-  const list = [];
-  for (let k = Math.ceil(Math.log10(min) - 1e-9); 10 ** k <= max * (1 + 1e-9); k += 1) list.push(10 ** k);
-  return list;
-}
-
-/** A power of ten without zeros that say nothing. */
-const power = (value) => (value >= 1e-4 ? String(Number(value.toPrecision(1))) : dial(value));
 
 /** `on.trace()` and `on.stop()` begin and end the computation, `on.clear()` drops edits, `on.lambda(value)` sets λ. */
 export function pathPanel(on) {

@@ -91,8 +91,9 @@ export function patternPanel(on) {
     if (!shown || !isOn) return;
     const [width, height] = shown.report.sheet_mm;
     pages.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    const letters = Math.max(width, height) / 16;
     for (const { name, frame: [x, y, w, tall] } of shown.pages) {
+      // Within its page, and no larger than reads well where there are few.
+      const letters = Math.min(Math.max(width, height) / 16, tall / 3, (1.4 * w) / Math.max(1, name.length));
       pages.append(
         s("rect", { x, y, width: w, height: tall, "vector-effect": "non-scaling-stroke" }),
         s("text", { x: x + w / 2, y: y + tall / 2, "font-size": letters }, name),

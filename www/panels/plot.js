@@ -1,7 +1,7 @@
 // The energy over the steps: one line a term, each named at its right end, so that no key is needed.
 
 import { h, paced, s } from "../dom.js";
-import { count, fixed, short, ticks } from "../format.js";
+import { count, fixed, short, tick, ticks, ticksBetween } from "../format.js";
 
 const COLOURS = ["total", "first", "second", "third"];
 /** Milliseconds between two drawings while a run goes on. */
@@ -25,12 +25,6 @@ function spread(wanted, floor) {
     limit = at[i] - PITCH;
   }
   return at;
-}
-
-/** A tick without decimals that say nothing. */
-function label(tick) {
-  const text = short(tick);
-  return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 
 export function energyPlot(host) {
@@ -59,11 +53,13 @@ export function energyPlot(host) {
     const labels = Math.min(154, width * 0.42);
     const right = width - labels;
     const floor = height - BOTTOM;
-    const yTicks = ticks(Math.max(...points.map((point) => point.total), 1e-12), Math.min(5, Math.max(2, Math.floor(height / 36))));
-    const top = Math.max(yTicks.at(-1), ...points.map((point) => point.total), 1e-12);
+    // A reward may take the energy, or a term, below zero.
+    const all = points.flatMap((point) => [point.total, ...point.terms.map((term) => term.value)]);
+    const [base, high] = [Math.min(0, ...all), Math.max(0, ...all)];
+    const divisions = Math.min(5, Math.max(2, Math.floor(height / 36)));
+    const yTicks = ticksBetween(base, Math.max(high, base + 1e-12), divisions);
+    const top = Math.max(yTicks.at(-1), high, base + 1e-12);
     const x = (step) => LEFT + ((right - LEFT) * step) / Math.max(1, last.step);
-    // A reward may take the energy below zero.
-    const base = Math.min(0, ...points.flatMap((point) => [point.total, ...point.terms.map((term) => term.value)]));
     const y = (energy) => floor - ((floor - TOP) * (energy - base)) / (top - base);
 
     // All values with the decimals of the largest, so that they can be added up by eye.
@@ -71,12 +67,12 @@ export function energyPlot(host) {
     const digits = largest >= 1000 ? 0 : largest >= 100 ? 1 : largest >= 1 ? 2 : 4;
 
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    const nodes = yTicks.flatMap((tick) => [
-      s("path", { class: "grid", d: `M${LEFT} ${Math.round(y(tick)) + 0.5}H${right}` }),
-      s("text", { class: "ax", x: LEFT - 6, y: y(tick) + 4, "text-anchor": "end" }, label(tick)),
+    const nodes = yTicks.flatMap((mark) => [
+      s("path", { class: "grid", d: `M${LEFT} ${Math.round(y(mark)) + 0.5}H${right}` }),
+      s("text", { class: "ax", x: LEFT - 6, y: y(mark) + 4, "text-anchor": "end" }, tick(mark)),
     ]);
-    for (const tick of ticks(last.step, Math.max(2, Math.floor((right - LEFT) / 70)), true)) {
-      nodes.push(s("text", { class: "ax", x: x(tick), y: height - 4, "text-anchor": "middle" }, count(tick)));
+    for (const step of ticks(last.step, Math.max(2, Math.floor((right - LEFT) / 70)), true)) {
+      nodes.push(s("text", { class: "ax", x: x(step), y: height - 4, "text-anchor": "middle" }, count(step)));
     }
     // Two points a pixel are enough.
     const stride = Math.max(1, Math.floor(points.length / (2 * (right - LEFT))));

@@ -125,11 +125,20 @@ fn settings(args: &ConesArgs, document: &Document) -> Result<Settings, Problem> 
         [] => {}
         [low, high] => {
             settings.set("bounds", text("custom"))?;
-            for (id, bound) in [("angle_min", low), ("angle_max", high)] {
-                // From two full turns on a bound bounds nothing.
-                let value = (angle(bound, "--bounds")? / std::f64::consts::PI).clamp(-2.0, 2.0);
-                settings.set(id, Value::Number(value))?;
+            // From two full turns on a bound bounds nothing.
+            let in_pi = |bound: &String| {
+                Ok((angle(bound, "--bounds")? / std::f64::consts::PI).clamp(-2.0, 2.0))
+            };
+            let [low, high] = [in_pi(low)?, in_pi(high)?];
+            if low > 0.0 || high < 0.0 {
+                return Err(Problem::new(
+                    format!("Bounds of {low:.3} π and {high:.3} π allow no vertex to be flat."),
+                    "--bounds, in radians or with pi after them.",
+                    "Let 0 lie between them, such as 0,inf or -0.5pi,0.5pi.",
+                ));
             }
+            settings.set("angle_min", Value::Number(low))?;
+            settings.set("angle_max", Value::Number(high))?;
         }
         _ => {
             return Err(Problem::new(
@@ -225,7 +234,8 @@ pub fn run(args: &ConesArgs) -> Result<(), Problem> {
         tell(session.handle(Command::CompareCones))?;
         drive(&mut session)?;
     }
-    let report = session.cones_report(Some(seconds))?;
+    let mut report = session.cones_report(Some(seconds))?;
+    report.lambda_max = session.find_lambda_max()?;
     if !is_quiet {
         print(&report);
     }

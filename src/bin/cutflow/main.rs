@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
+use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cutflow::session::{
     Charting, Command, Document, Event, FlattenBy, FlattenReport, InfoReport, Layout, Outline,
@@ -208,8 +210,13 @@ fn main() -> ExitCode {
     }
     let task = match Cli::try_parse() {
         Ok(cli) => cli.command,
-        // Help and version are answers.
-        Err(answer) if !answer.use_stderr() => answer.exit(),
+        // Help and version are answers, and help is one to saying nothing.
+        Err(answer)
+            if !answer.use_stderr()
+                || answer.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
+        {
+            answer.exit()
+        }
         Err(error) => return fail(&misunderstood(&error)),
     };
     if let Err(problem) = can_write(&task) {
@@ -276,12 +283,25 @@ fn can_write(task: &Task) -> Result<(), Problem> {
     folders_exist(output.as_slice(), new_folder, report)
 }
 
+/// How names of files end that a folder is hardly meant to have.
+const FILE_ENDS: [&str; 9] = ["json", "obj", "ply", "stl", "glb", "svg", "dxf", "pdf", "zip"];
+
 fn folders_exist(
     outputs: &[&Path],
     new_folder: Option<&Path>,
     report: &Report,
 ) -> Result<(), Problem> {
     let report = report.json.as_deref().filter(|path| *path != Path::new("-"));
+    if let Some(folder) = new_folder
+        && !folder.is_dir()
+        && folder.extension().is_some_and(|end| FILE_ENDS.iter().any(|e| end == *e))
+    {
+        return Err(Problem::new(
+            "This command writes several files into a folder, and this looks like the name of one file.",
+            folder.display().to_string(),
+            "Name a folder after -o; the report goes where --json says.",
+        ));
+    }
     for path in outputs.iter().copied().chain(report) {
         let folder = path.parent().filter(|folder| *folder != Path::new(""));
         if folder.is_some_and(|folder| !folder.is_dir() && Some(folder) != new_folder) {
@@ -491,14 +511,16 @@ fn tell_flattening(
 
 fn print_flattening(report: &FlattenReport) {
     let totals = &report.totals;
+    let charts = report.charts.iter().flatten().count();
     say!(
-        "{} charts by {}: angle distortion {:.4}, area distortion {:.4}, {} flipped triangles, {} overlaps",
-        report.charts.iter().flatten().count(),
+        "{} {} by {}: angle distortion {:.4}, area distortion {:.4}, {} flipped triangles, {} overlaps",
+        charts,
+        if charts == 1 { "chart" } else { "charts" },
         report.method,
         totals.angle_distortion,
         totals.area_distortion,
         totals.flipped,
-        totals.overlaps
+        totals.overlaps.max(report.validity.overlapping_pairs)
     );
     if let Some(split) = &report.split {
         say!(
@@ -583,20 +605,45 @@ fn write_json<T: serde::Serialize>(report: &Report, value: &T) -> Result<(), Pro
     write(path, text.as_bytes())
 }
 
+/// Files that this run has read or written: none of them is written over.
+static TOUCHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Remembers a file. **Gives** whether it was remembered before.
+fn touch(path: &Path) -> bool {
+    let Ok(path) = path.canonicalize() else { return false };
+    let mut touched = TOUCHED.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_known = touched.contains(&path);
+    if !is_known {
+        touched.push(path);
+    }
+    is_known
+}
+
 #[expect(clippy::disallowed_methods, reason = "the command is where files are opened")]
 fn read(path: &Path) -> Result<Vec<u8>, Problem> {
-    std::fs::read(path).map_err(|error| {
+    let bytes = std::fs::read(path).map_err(|error| {
         Problem::new(
             format!("The file could not be read: {error}."),
             path.display().to_string(),
             "Check the path and its permissions.",
         )
-    })
+    })?;
+    touch(path);
+    Ok(bytes)
 }
 
 #[expect(clippy::disallowed_methods, reason = "the command is where files are written")]
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
-    std::fs::write(path, bytes).map_err(|error| unwritable(path, &error))
+    if touch(path) {
+        return Err(Problem::new(
+            "This file is another one of the same command: it would be lost.",
+            path.display().to_string(),
+            "Write to another place.",
+        ));
+    }
+    std::fs::write(path, bytes).map_err(|error| unwritable(path, &error))?;
+    touch(path);
+    Ok(())
 }
 
 fn make_folder(path: &Path) -> Result<(), Problem> {

@@ -211,6 +211,7 @@ impl Round {
                 u,
                 seams_equal: false,
                 angles_exact: !self.by_patch,
+                closing: 0.0,
                 // The errors of angles are what is told.
                 residual: 0.0,
             },

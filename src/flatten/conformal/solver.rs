@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::triangle::{Triangle, face_energy};
 use super::triangulation::{Keeps, NONE, Triangulation};
-use crate::linalg::{Analysis, Elimination, Factor, LinalgError, Pattern};
+use crate::linalg::{Analysis, Elimination, Factor, LinalgError, Pattern, worse};
 
 /// Largest change of a log scale factor in one step. Without it thin ellipsoids (30 : 1) send v out of the range of numbers.
 const LONGEST_STEP: f64 = 5.0;
@@ -22,6 +22,12 @@ const TAU_REST: f64 = 2.449_293_598_294_706_4e-16;
 
 /// Solves with the last factor after the last step, none of which costs a factorisation.
 const POLISHINGS: usize = 3;
+
+/// An angle error that is rounding: nothing is gained below it.
+const POLISHED: f64 = 1e-13;
+
+/// A residual, over the right-hand side, at which a solve needs no refinement.
+const SOLVED: f64 = 1e-12;
 
 /// An angle error that is rounding where no step lowers it: on thin ellipsoids (300 : 1) angles cannot be told to more digits.
 const ACCEPTABLE: f64 = 1e-8;
@@ -75,6 +81,16 @@ impl std::fmt::Debug for Cache {
     }
 }
 
+/// An analysis that no factor has yet, with the number of flips at which its pattern was made, and the slots of its pairs.
+#[derive(Clone, Default)]
+struct Ready(Option<(usize, Arc<Analysis>, Vec<u32>)>);
+
+impl std::fmt::Debug for Ready {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if self.0.is_some() { "Ready(some)" } else { "Ready(none)" })
+    }
+}
+
 /// The problem and how far it has come.
 #[derive(Clone, Debug)]
 pub(super) struct Solver {
@@ -89,8 +105,6 @@ pub(super) struct Solver {
     is_floating: bool,
     is_rim: Vec<bool>,
     pub evaluation: Evaluation,
-    /// E at v.
-    pub energy: f64,
     pub progress: Progress,
     pub steps: usize,
     pub factorisations: usize,
@@ -104,6 +118,7 @@ pub(super) struct Solver {
     tolerance: f64,
     most_steps: usize,
     cache: Cache,
+    ready: Ready,
 }
 
 impl Solver {
@@ -150,7 +165,6 @@ impl Solver {
             is_floating,
             is_rim,
             evaluation: Evaluation::default(),
-            energy: f64::NAN,
             progress: Progress::Running,
             steps: 0,
             factorisations: 0,
@@ -161,12 +175,16 @@ impl Solver {
             tolerance,
             most_steps,
             cache: Cache(None),
+            ready: Ready(None),
         };
         solver.evaluation = solver.evaluate(&solver.v);
-        solver.energy = solver.energy(&solver.evaluation, &solver.v);
         solver.judge();
         if !settled {
             solver.progress = Progress::Failed;
+        }
+        if solver.progress == Progress::Running {
+            // Where memory does not suffice the first step says so.
+            solver.ready = Ready(solver.structure(&solver.pairs()).ok());
         }
         solver
     }
@@ -301,15 +319,19 @@ impl Solver {
             let settled = self.triangulation.make_delaunay(&trial, Keeps::Conformal);
             let evaluation = self.evaluate(&trial);
             let after = dot(&evaluation.gradient, &direction);
-            let energy = || self.energy(&evaluation, &trial);
-            let accepted = settled
-                && evaluation.error.is_finite()
+            let is_sound = settled && evaluation.error.is_finite();
+            let accepted = if is_sound
                 && (after <= 0.0
                     || evaluation.error < self.tolerance
-                    || (evaluation.error < 0.5 * start && evaluation.error < 1e-6)
-                    || (after <= -0.9 * before
-                        && energy() <= self.energy + 1e-4 * length * before));
-            if accepted {
+                    || (evaluation.error < 0.5 * start && evaluation.error < 1e-6))
+            {
+                Some(evaluation)
+            } else if is_sound && after <= -0.9 * before {
+                self.where_lower(&trial, 1e-4 * length * before)
+            } else {
+                None
+            };
+            if let Some(evaluation) = accepted {
                 // So near the end a step gains digits by the dozen; one that gains none meets rounding.
                 let is_rounding = start < ACCEPTABLE && evaluation.error > 0.5 * start;
                 self.v = trial;
@@ -322,7 +344,6 @@ impl Solver {
                 if self.progress == Progress::Done {
                     self.polish();
                 }
-                self.energy = self.energy(&self.evaluation, &self.v);
                 return Ok(());
             }
             self.rejected += 1;
@@ -336,10 +357,24 @@ impl Solver {
         Ok(())
     }
 
+    /// The angles at a trial if E is lower there than at v by at least so much (below 0). Each has its own triangulation; that of the
+    /// trial stays.
+    pub(super) fn where_lower(&mut self, trial: &[f64], by: f64) -> Option<Evaluation> {
+        let [(before, _), (after, evaluation)] = [self.v.clone(), trial.to_vec()].map(|v| {
+            self.triangulation.make_delaunay(&v, Keeps::Conformal);
+            let evaluation = self.evaluate(&v);
+            (self.energy(&evaluation, &v), evaluation)
+        });
+        (after <= before + by).then_some(evaluation)
+    }
+
     /// Takes angles to rounding with the factor that is at hand: at the end the Hessian hardly changes.
     fn polish(&mut self) {
         let Some(mut cached) = self.cache.0.take() else { return };
         for _ in 0..POLISHINGS {
+            if self.evaluation.error < POLISHED {
+                break;
+            }
             let mut d = vec![0.0; self.row_count];
             for (g, &row) in self.evaluation.gradient.iter().zip(&self.rows) {
                 if row != NONE {
@@ -365,7 +400,20 @@ impl Solver {
         }
     }
 
-    /// −H⁻¹ g, refined once.
+    /// The pattern of the Hessian in the triangulation as it stands, analysed.
+    fn structure(
+        &mut self,
+        pairs: &[(usize, [u32; 2])],
+    ) -> Result<(usize, Arc<Analysis>, Vec<u32>), LinalgError> {
+        let flips = self.triangulation.flipped.len();
+        let ends: Vec<[u32; 2]> = pairs.iter().map(|p| p.1).collect();
+        let (pattern, slots) = Pattern::new(self.row_count, &ends);
+        // A clone analyses again what counts once.
+        self.analyses += usize::from(self.analysed_at.replace(flips) != Some(flips));
+        Ok((flips, Arc::new(self.analyse(pattern, flips)?), slots))
+    }
+
+    /// −H⁻¹ g, refined where that helps.
     fn direction(&mut self) -> Result<Vec<f64>, LinalgError> {
         let flips = self.triangulation.flipped.len();
         let pairs = self.pairs();
@@ -374,11 +422,12 @@ impl Solver {
                 (cached.factor.analysis().clone(), cached.slots, Some(cached.factor))
             }
             _ => {
-                let ends: Vec<[u32; 2]> = pairs.iter().map(|p| p.1).collect();
-                let (pattern, slots) = Pattern::new(self.row_count, &ends);
-                // A clone analyses again what counts once.
-                self.analyses += usize::from(self.analysed_at.replace(flips) != Some(flips));
-                (Arc::new(self.analyse(pattern, flips)?), slots, None)
+                let ready = self.ready.0.take().filter(|ready| ready.0 == flips);
+                let (_, analysis, slots) = match ready {
+                    Some(ready) => ready,
+                    None => self.structure(&pairs)?,
+                };
+                (analysis, slots, None)
             }
         };
         let pattern = analysis.pattern();
@@ -394,10 +443,16 @@ impl Solver {
         factor.solve(&mut d, 1);
         let mut residual = vec![0.0; self.row_count];
         pattern.multiply(&values, &d, &mut residual);
+        let (mut error, mut size) = (0.0f64, 0.0f64);
         for (r, b) in residual.iter_mut().zip(&right) {
             *r = b - *r;
+            (error, size) = (worse(error, r.abs()), worse(size, b.abs()));
         }
-        factor.solve(&mut residual, 1);
+        if error <= SOLVED * size {
+            residual.fill(0.0);
+        } else {
+            factor.solve(&mut residual, 1);
+        }
         self.cache = Cache(Some(Cached { flips, slots, factor }));
         let of = |&row: &u32| match row {
             NONE => 0.0,

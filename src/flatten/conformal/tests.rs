@@ -127,6 +127,37 @@ fn energy_and_slope_agree_along_a_line_with_hundreds_of_flips_and_the_slope_only
 }
 
 #[test]
+fn every_step_lowers_the_energy_and_one_that_does_not_is_told_from_one_that_does() {
+    let mut solver = solver_on_torus();
+    let d = direction(&solver);
+    solver.v = along(&solver, &d, 3.0);
+    let start = solver.v.clone();
+    solver.triangulation.make_delaunay(&start, Keeps::Conformal);
+    solver.evaluation = solver.evaluate(&start);
+    // Along the gradient E falls, against it it rises.
+    let gradient = solver.evaluation.gradient.clone();
+    let slope = 1e-3 * dot(&gradient, &gradient);
+    let up = along(&solver, &gradient, 1e-3);
+    assert!(solver.where_lower(&up, -1e-4 * slope).is_none());
+    let down = along(&solver, &gradient, -1e-3);
+    let there = solver.where_lower(&down, -1e-4 * slope).unwrap();
+    assert!(there.error < solver.evaluation.error);
+    assert!(solver.triangulation.make_delaunay(&start, Keeps::Conformal));
+    let mut energy = energy_at(&solver, &start);
+    let mut steps = 0;
+    while solver.progress == Progress::Running {
+        solver.step().unwrap();
+        let v = solver.v.clone();
+        let now = energy_at(&solver, &v);
+        // Rounding of a sum of hundreds.
+        assert!(now <= energy + 1e-10, "{now} after {energy}");
+        energy = now;
+        steps += 1;
+    }
+    assert!(solver.progress == Progress::Done && steps > 3, "{steps}");
+}
+
+#[test]
 fn angles_do_not_depend_on_the_way_flips_were_made() {
     let mut wandering = solver_on_torus();
     let direct = wandering.clone();

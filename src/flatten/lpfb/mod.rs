@@ -131,7 +131,18 @@ pub fn lpfb_with(
     }
     let u = log_scales(opened, geometry, &uv);
     let residual = map.residual;
-    Ok((Flattening { charts, uv, u, seams_equal: true, angles_exact: false, residual }, reports))
+    Ok((
+        Flattening {
+            charts,
+            uv,
+            u,
+            seams_equal: true,
+            angles_exact: false,
+            closing: 0.0,
+            residual,
+        },
+        reports,
+    ))
 }
 
 /// Why a patch that virtual cuts cannot open has no chart.

@@ -311,6 +311,7 @@ fn carry(
         u,
         seams_equal: flattening.seams_equal,
         angles_exact: flattening.angles_exact,
+        closing: flattening.closing,
         residual: flattening.residual,
     }
 }

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector, Point2};
 
-use super::super::bff::MAX_STRETCH;
 use super::super::closing::{MAX_LOG_RATIO, Polygons, Turns};
 use super::TargetError;
 use crate::linalg::LinalgError;
@@ -34,7 +33,7 @@ pub(super) fn draw(
         lengths: lengths.to_vec(),
         directions: directions(angles),
     };
-    if !polygon.close_together(Turns::None, f64::INFINITY)? {
+    if polygon.close_together(Turns::None, f64::INFINITY)?.is_none() {
         return Err(TargetError::NotFinite);
     }
     Ok((polygon.corners(), largest_change(&polygon.lengths, lengths)))
@@ -73,11 +72,8 @@ pub(super) fn draw_shared(
     let given = polygon.lengths.clone();
     let aimed = polygon.directions.clone();
     // As charts with scaled and isometric rims are closed: lengths alone, then both together; at last each side for itself.
-    let closes = keeps_angles
-        && (polygon.close_together(Turns::None, MAX_STRETCH)?
-            || polygon.close_together(Turns::Shared, MAX_LOG_RATIO)?
-            || polygon.close_together(Turns::None, MAX_LOG_RATIO)?)
-        || polygon.close_together(Turns::Free, MAX_LOG_RATIO)?;
+    let closes = keeps_angles && polygon.close_keeping_angles()?.is_some()
+        || polygon.close_together(Turns::Free, MAX_LOG_RATIO)?.is_some();
     let closing = if closes {
         largest_change(&polygon.lengths, &given)
     } else {

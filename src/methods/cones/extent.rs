@@ -7,8 +7,16 @@
 
 use super::problem::{ActiveSet, Problem, Stance};
 
-/// For every component, an estimate of its λ_max. **Costs** one response where a component is closed and has χ ≠ 0.
-pub(super) fn estimate(problem: &mut Problem, phi: &[f64]) -> Vec<f64> {
+/// λ_max of a component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extent {
+    pub value: f64,
+    /// Whether it is more than an estimate.
+    pub is_exact: bool,
+}
+
+/// For every component its λ_max, as well as can be said without an optimum. **Costs** one response where a component is closed and has χ ≠ 0.
+pub(super) fn estimate(problem: &mut Problem, phi: &[f64]) -> Vec<Extent> {
     let n = problem.system.len();
     let components = problem.system.components.clone();
     let part: Vec<usize> = problem.system.component_of.iter().map(|&c| c as usize).collect();
@@ -32,10 +40,14 @@ pub(super) fn estimate(problem: &mut Problem, phi: &[f64]) -> Vec<f64> {
     (0..components.len())
         .map(|c| {
             if problem.settled[c] {
-                return 0.0;
+                return Extent { value: 0.0, is_exact: true };
             }
             let members: Vec<usize> = (0..n).filter(|&i| part[i] == c).collect();
-            least(problem, &members, &phi, components[c].is_floating, must_have(c))
+            let value = least(problem, &members, &phi, components[c].is_floating, must_have(c));
+            // Angles that are free of charge are not in φ yet.
+            let is_priced =
+                |&i: &usize| problem.prices[i] > 0.0 || problem.start.stances[i] == Stance::Held;
+            Extent { value, is_exact: members.iter().all(is_priced) && !must_have(c) }
         })
         .collect()
 }

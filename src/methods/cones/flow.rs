@@ -4,7 +4,7 @@ use super::aim::Search;
 use super::certificate::Certificate;
 use super::coarse::Coarse;
 use super::error::{ConeConflict, ConeError};
-use super::extent;
+use super::extent::{self, Extent};
 use super::greens::{self, Dictionary};
 use super::newton::Descent;
 use super::params::{Cone, ConeEvaluation, ConeFields, ConeParams, ConeState, ConeTarget};
@@ -39,7 +39,7 @@ pub struct ConeFlow {
     pub(super) progress: Progress,
     pub(super) response: Response,
     pub(super) certificate: Certificate,
-    pub(super) lambda_max: Vec<f64>,
+    pub(super) lambda_max: Vec<Extent>,
     pub(super) state: ConeState,
 }
 
@@ -76,7 +76,7 @@ pub struct ConeCheckpoint {
     lambda: f64,
     progress: Progress,
     history: Vec<Vec<u32>>,
-    lambda_max: Vec<f64>,
+    lambda_max: Vec<Extent>,
     /// Steps of the coarse stage, if it was under way.
     coarse_steps: Option<usize>,
     response: Response,
@@ -124,7 +124,25 @@ impl ConeFlow {
     /// angle as there can be. Exact for surfaces with boundary and for tori whose cones are not free; on other closed surfaces an estimate
     /// until an optimum above it has been found. 0 on convex closed surfaces.
     pub fn lambda_max(&self) -> f64 {
-        self.lambda_max.iter().copied().fold(0.0, f64::max)
+        self.lambda_max.iter().map(|extent| extent.value).fold(0.0, f64::max)
+    }
+
+    /// Whether [`ConeFlow::lambda_max`] is more than an estimate.
+    pub fn knows_lambda_max(&self) -> bool {
+        self.lambda_max.iter().all(|extent| extent.is_exact)
+    }
+
+    /// λ_max, solved for where it is an estimate; all else stays as it is. **Costs** an optimum with as few cones as there can be.
+    pub fn find_lambda_max(&mut self) -> Result<f64, SolveError> {
+        if !self.knows_lambda_max() {
+            let home = self.checkpoint();
+            self.set_lambda(self.lambda_max())?;
+            while self.step()?.status == Status::Running {}
+            let found = self.lambda_max.clone();
+            self.return_to(&home);
+            self.lambda_max = found;
+        }
+        Ok(self.lambda_max())
     }
 
     /// Options in force.

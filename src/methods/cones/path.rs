@@ -18,7 +18,7 @@ pub struct PathPoint {
 
 /// Optima for prices from λ_max down, evenly spaced in logarithms.
 ///
-/// **Step** one step of the flow, which is lent for it and comes back, at the end, as it was (with more Green's functions known).
+/// **Step** one step of the flow, which is lent for it and comes back, at the end, as it was, with more Green's functions and λ_max known.
 /// **Ends** after the last sample.
 #[derive(Clone, Debug)]
 pub struct ConePath {
@@ -102,10 +102,13 @@ impl ConePath {
         Ok(false)
     }
 
-    /// Gives up; the flow is as it was.
+    /// Gives up; the flow is as it was, and knows more.
     pub fn abandon(&mut self, flow: &mut ConeFlow) {
         if let Some(home) = self.home.take() {
+            let most = flow.lambda_max.clone();
             flow.return_to(&home);
+            // What the way has told of it stays true.
+            flow.lambda_max = most;
         }
         self.is_complete = true;
     }

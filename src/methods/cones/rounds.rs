@@ -2,7 +2,7 @@
 
 use super::certificate::{Certificate, certify};
 use super::coarse::Stage;
-use super::extent;
+use super::extent::{self, Extent};
 use super::flow::ConeFlow;
 use super::greens;
 use super::newton::{Descent, Outcome};
@@ -231,7 +231,7 @@ impl ConeFlow {
         let phi = greens::shifted(&self.problem, set, &self.response);
         let told = extent::from_optimum(&self.problem, set, &phi);
         for (old, new) in self.lambda_max.iter_mut().zip(told) {
-            *old = new.unwrap_or(*old);
+            *old = new.map_or(*old, |value| Extent { value, is_exact: true });
         }
         let most = self.lambda_max().max(f64::MIN_POSITIVE);
         if let Some(mut search) = self.progress.search.take() {

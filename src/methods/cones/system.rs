@@ -327,8 +327,16 @@ impl System {
         }
     }
 
+    /// Whether any component is floating.
+    fn floats(&self) -> bool {
+        self.components.iter().any(|component| component.is_floating)
+    }
+
     /// Takes the sum away from right-hand sides on floating components, in proportion to the mass.
     fn balance(&self, f: &mut [f64]) {
+        if !self.floats() {
+            return;
+        }
         for column in f.chunks_exact_mut(self.dofs.len()) {
             let mut sums = vec![0.0; self.components.len()];
             for (i, value) in column.iter().enumerate() {
@@ -345,6 +353,9 @@ impl System {
 
     /// Takes the weighted mean away from functions on floating components.
     pub fn centre(&self, x: &mut [f64]) {
+        if !self.floats() {
+            return;
+        }
         for column in x.chunks_exact_mut(self.dofs.len()) {
             let mut sums = vec![0.0; self.components.len()];
             for (i, value) in column.iter().enumerate() {

@@ -81,16 +81,7 @@ pub(super) fn build<'a>(
 ) -> Option<Network<'a>> {
     let flat = Flat::new(mesh, geometry);
     let stretches = stretches(&flat, cut, params.free_from)?;
-    let network = Network {
-        flat,
-        nodes: Vec::new(),
-        segments: Vec::new(),
-        edge_nodes: vec![Vec::new(); mesh.edge_count()],
-        face_segments: vec![Vec::new(); mesh.face_count()],
-        is_occupied: vec![false; mesh.vertex_count()],
-        walls: Vec::new(),
-        is_wall: vec![false; mesh.edge_count()],
-    };
+    let network = Network::empty(flat);
     let mut marks = vec![Vec::new(); mesh.edge_count()];
     let mut used: Vec<u32> = stretches.iter().flat_map(|s| s.ends).collect();
     used.sort_unstable();

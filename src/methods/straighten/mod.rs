@@ -24,6 +24,7 @@
 mod build;
 mod flat;
 mod hop;
+mod lay;
 mod network;
 mod refine;
 mod relax;
@@ -34,6 +35,7 @@ use self::network::Network;
 use crate::geometry::Geometry;
 use crate::mesh::{CutMesh, Mesh, MeshError};
 
+pub use lay::cut_along;
 pub use snap::{Snapped, snap_to_edges};
 
 /// What [`straighten`] may do.

@@ -60,7 +60,22 @@ pub(super) struct Network<'a> {
     pub is_wall: Vec<bool>,
 }
 
-impl Network<'_> {
+impl<'a> Network<'a> {
+    /// No curves.
+    pub fn empty(flat: Flat<'a>) -> Self {
+        let mesh = flat.mesh;
+        Self {
+            flat,
+            nodes: Vec::new(),
+            segments: Vec::new(),
+            edge_nodes: vec![Vec::new(); mesh.edge_count()],
+            face_segments: vec![Vec::new(); mesh.face_count()],
+            is_occupied: vec![false; mesh.vertex_count()],
+            walls: Vec::new(),
+            is_wall: vec![false; mesh.edge_count()],
+        }
+    }
+
     pub fn add_node(&mut self, place: Place) -> u32 {
         let node = self.nodes.len() as u32;
         self.nodes.push(Node {

@@ -123,7 +123,11 @@ pub fn too_large(place: String, angle: f64) -> Problem {
 /// Why a change by hand cannot be made, with the numbers of the file.
 pub fn edit_problem(surface: &Surface, error: &EditError) -> Problem {
     let name = |v: VertexId| surface.soup_vertices.get(v.index()).copied().unwrap_or(v.0);
-    let in_pi = |x: f64| format!("{:.4} π", x / PI);
+    let in_pi = |x: f64| {
+        let text = format!("{:.4}", (x / PI).abs());
+        let sign = if x < 0.0 { "−" } else { "" };
+        format!("{sign}{} π", text.trim_end_matches('0').trim_end_matches('.'))
+    };
     let place = |v: VertexId| format!("{}, vertex {} (counted from 0).", surface.name, name(v));
     match *error {
         EditError::NoSuchVertex { vertex, vertices } => Problem::new(
@@ -142,10 +146,17 @@ pub fn edit_problem(surface: &Surface, error: &EditError) -> Problem {
             "Change that one, or choose another place.",
         ),
         EditError::OutOfRange { vertex, angle, least, most } => Problem::new(
-            format!(
-                "A cone would have the angle {}: nothing could be flat around it.",
-                in_pi(angle)
-            ),
+            if angle < 0.0 {
+                format!(
+                    "A cone would have the angle {}: more than a turn too much around it.",
+                    in_pi(angle)
+                )
+            } else {
+                format!(
+                    "A cone would have the angle {}: nothing could be flat around it.",
+                    in_pi(angle)
+                )
+            },
             place(vertex),
             format!(
                 "Its angle has to lie between {} and {}; choose a smaller change, or set other cones free.",

