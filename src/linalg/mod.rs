@@ -167,6 +167,9 @@ impl Pattern {
 /// vertices, which faer would leave to its simplicial code, blocks take two thirds of the time.
 const SUPERNODAL: f64 = 0.4;
 
+/// Rows below which that gains nothing.
+const SMALL: usize = 4096;
+
 /// Ordering and symbolic Cholesky factorisation of a [`Pattern`]: once for each pattern.
 #[derive(Debug)]
 pub struct Analysis {
@@ -197,7 +200,10 @@ impl Analysis {
             Side::Lower,
             order,
             CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
+                supernodal_flop_ratio_threshold: match pattern.size < SMALL {
+                    true => SupernodalThreshold::AUTO,
+                    false => SupernodalThreshold(SUPERNODAL),
+                },
                 ..Default::default()
             },
         )

@@ -218,7 +218,7 @@ for (const renderer of RENDERERS) {
       await plot.selectOption("price");
       const lines = browser.page.locator("#distortion-plot path:is(.first, .second)");
       await page.until("two curves", () => lines.count(), (count) => count === 2);
-      assert.match(await browser.page.locator("#distortion-plot svg").getAttribute("aria-label"), /^Distortion and total angle over λ: at λ .* ∫u² .*, total angle .* π$/);
+      assert.match(await browser.page.locator("#distortion-plot svg").getAttribute("aria-label"), /^Distortion and total angle over λ: at λ .* ∫u² .*, total angle .*π$/);
       await screenshot(browser.page, `cones-price-${renderer.name}`);
       await plot.selectOption("angle");
       await page.until("one curve", () => lines.count(), (count) => count === 1);

@@ -311,7 +311,8 @@ fn the_outlines_of_a_flow_lose_their_zigzag_and_nothing_else() {
         assert!(after < 0.7 * before, "{name}: {before} {after}");
         assert!(straight.lengths[1] < straight.lengths[0]);
         let (before, after) = (flips(&s, &cut), flips(&s, &straight.cut));
-        assert!(after <= before, "{name}: {before} flips, then {after}");
+        // BFF rules none out; which shapes a flow has after 15 steps is a matter of rounding.
+        assert!(after <= before + cut.triangles.len() / 1000, "{name}: {before}, then {after}");
         // Areas of patches may change by what a band of half an edge along the cut holds, and do by far less.
         let areas = |cut: &CutMesh| {
             let (at, opened) = (places(&s, cut), cut.open().unwrap());
