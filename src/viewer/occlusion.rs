@@ -66,7 +66,8 @@ impl Occlusion {
             ground,
             known: HashMap::new(),
             old: HashMap::new(),
-            known_limit: 3 * scene.vertex_count() + 1000,
+            // Two generations of this size are held at most.
+            known_limit: 3 * scene.vertex_count() / 2 + 1000,
             left: usize::MAX,
             is_behind: false,
         }

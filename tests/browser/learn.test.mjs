@@ -30,7 +30,10 @@ describe("Learn", { timeout: 600_000 }, () => {
   before(async () => {
     browser = await open(renderer, COARSE);
     page = new Page(browser.page);
-    browser.page.on("request", ({ url }) => /^https?:/.test(url()) && !url().startsWith(new URL(PAGE).origin) && foreign.push(url()));
+    browser.page.on("request", (request) => {
+      const address = request.url();
+      if (/^https?:/.test(address) && !address.startsWith(new URL(PAGE).origin)) foreign.push(address);
+    });
     // What the engine and the page tell each other.
     await browser.page.addInitScript(() => {
       Object.assign(window, { sent: [], specs: {}, fields: {} });
