@@ -22,8 +22,6 @@ const SEAM_PX = 7;
 const POINT = 0.03;
 /** Losing the graphics more often than this in a row means that they cannot be had. */
 const REBUILDS = 4;
-/** Drawings in a row for one picture. */
-const MOST_DRAWINGS = 200;
 
 /** What the address asks for, else WebGPU where browsers have had it for years and it really answers. */
 async function chooseRenderer(asked) {
@@ -321,8 +319,7 @@ export class Views {
   /** Setting the theme makes the viewer draw although nothing else may be new. */
   #drawAnyway() {
     this.#viewer.set_theme(this.#flags.dark);
-    // The shading of a large mesh takes several times.
-    for (let i = 0; i < MOST_DRAWINGS && this.#viewer.draw(); i += 1);
+    this.#viewer.draw();
   }
 
   #canvas(view) {

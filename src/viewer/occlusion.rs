@@ -6,8 +6,7 @@
 //! measure: features thinner than two cells (1/15 of the ball's radius) are seen as half solid.
 //!
 //! A running flow moves only points on cuts, *along* the surface, so the volume stays as it is and
-//! what was computed for a place is kept. On a large mesh the first places take longer than a frame may: they
-//! are then computed over several, and count as open until their turn comes.
+//! what was computed for a place is kept.
 
 use super::arrays;
 use crate::session::scene::Scene;
@@ -37,13 +36,7 @@ pub struct Occlusion {
     levels: Vec<Level>,
     ground: f32,
     known: HashMap<[u32; 3], f32>,
-    /// What was known before that grew too large: most of it is still of use.
-    old: HashMap<[u32; 3], f32>,
     known_limit: usize,
-    /// Places that may still be computed at once.
-    left: usize,
-    /// Whether some were put off.
-    is_behind: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -61,27 +54,7 @@ impl Occlusion {
             levels.push(levels[levels.len() - 1].halved());
         }
         let ground = scene.positions.iter().skip(1).step_by(3).copied().fold(0.0, f32::min);
-        Self {
-            levels,
-            ground,
-            known: HashMap::new(),
-            old: HashMap::new(),
-            // Two generations of this size are held at most.
-            known_limit: 3 * scene.vertex_count() / 2 + 1000,
-            left: usize::MAX,
-            is_behind: false,
-        }
-    }
-
-    /// From here on no more than so many new places are computed.
-    pub fn allow(&mut self, places: usize) {
-        self.left = places;
-        self.is_behind = false;
-    }
-
-    /// Whether a place was put off since the last [`Occlusion::allow`].
-    pub fn is_behind(&self) -> bool {
-        self.is_behind
+        Self { levels, ground, known: HashMap::new(), known_limit: 3 * scene.vertex_count() + 1000 }
     }
 
     /// Height of the ground: the lowest point of the surface.
@@ -89,7 +62,7 @@ impl Occlusion {
         self.ground
     }
 
-    /// How much of the sky a point of the surface sees, 0 to 1; 1 where that was put off.
+    /// How much of the sky a point of the surface sees, 0 to 1.
     pub fn openness(&mut self, position: Vec3, normal: Vec3) -> f32 {
         let key = position.to_array().map(f32::to_bits);
         if let Some(&openness) = self.known.get(&key) {
@@ -97,19 +70,9 @@ impl Occlusion {
         }
         // A flow leaves a trail of places that no cut passes any more.
         if self.known.len() > self.known_limit {
-            self.old = std::mem::take(&mut self.known);
+            self.known.clear();
         }
-        let openness = match self.old.get(&key) {
-            Some(&openness) => openness,
-            None if self.left == 0 => {
-                self.is_behind = true;
-                return 1.0;
-            }
-            None => {
-                self.left -= 1;
-                self.look(position, normal)
-            }
-        };
+        let openness = self.look(position, normal);
         self.known.insert(key, openness);
         openness
     }

@@ -11,7 +11,7 @@ use cutflow::methods::flow::{Flow, Status};
 use cutflow::session::Document;
 use nalgebra::Point3;
 
-use crate::{Row, factorisation, sphere, time_of};
+use crate::{Row, Unit, factorisation, sphere, time_of};
 
 /// A sphere cut into normal clusters, opened and measured.
 fn cut_sphere(frequency: u32) -> (OpenedMesh, Geometry) {
@@ -73,7 +73,7 @@ fn conformal() -> Vec<Row> {
     let vertices: Vec<_> = cones.iter().map(|c| c.vertex).collect();
     let seams = cut_through(mesh, geometry, &vertices, &[]).expect("seams join them");
     let points: Vec<_> = seams.cut.points.iter().map(|&p| geometry.locate(mesh, p)).collect();
-    let unit = factorisation(mesh, geometry, 10);
+    let mut unit = Unit::new(mesh, geometry);
     let (rim, params) = (RimCondition::Isometric, ConformalParams::default());
     let begin = || {
         ConformalFlow::on_surface(mesh, &seams.cut, &points, &cones, &rim, &params)
@@ -85,12 +85,12 @@ fn conformal() -> Vec<Row> {
     assert_eq!((report.rounds, report.doubled), (0, 0), "steps come first, then one layout");
     let steps = report.newton_steps;
     // Three runs of growing length: the clock is too coarse for a step.
-    let before = time_of(10, || drop(begin()));
-    let stepped = time_of(10, || {
+    let before = unit.ratio(20, || drop(begin()));
+    let stepped = unit.ratio(20, || {
         let mut flow = begin();
         (0..steps).for_each(|_| drop(flow.step().expect("it converges")));
     });
-    let whole = time_of(10, || {
+    let whole = unit.ratio(20, || {
         let mut flow = begin();
         while flow.step().expect("it converges").status == Status::Running {}
     });
@@ -103,19 +103,19 @@ fn conformal() -> Vec<Row> {
         },
         Row {
             name: "the same, a step, trials and flips included".into(),
-            value: (stepped - before) / steps as f64 / unit,
+            value: (stepped - before) / steps as f64,
             unit: "factorisations",
             limit: Some(1.5),
         },
         Row {
             name: "the same, once: triangulation and flips before".into(),
-            value: before / unit,
+            value: before,
             unit: "factorisations",
             limit: None,
         },
         Row {
             name: "the same, once: flips taken back and charts after".into(),
-            value: (whole - stepped) / unit,
+            value: whole - stepped,
             unit: "factorisations",
             limit: None,
         },

@@ -102,7 +102,44 @@ fn factored(mesh: &Mesh, geometry: &Geometry) -> (Factor, Vec<f64>) {
     (factor, values)
 }
 
-/// Mean time of a numeric factorisation.
+/// What a ratio is measured in, done again beside every piece of work: a machine that slows down slows both.
+struct Unit {
+    factor: Factor,
+    values: Vec<f64>,
+}
+
+impl Unit {
+    fn new(mesh: &Mesh, geometry: &Geometry) -> Self {
+        let (factor, values) = factored(mesh, geometry);
+        Self { factor, values }
+    }
+
+    /// Seconds of one numeric factorisation.
+    fn time(&mut self) -> f64 {
+        elapsed(|| self.factor.refactor(&self.values).expect("as before"))
+    }
+
+    /// How many of them a piece of work takes, over so many turns of both.
+    fn ratio(&mut self, turns: usize, mut work: impl FnMut()) -> f64 {
+        work();
+        let (mut spent, mut units) = (0.0, 0.0);
+        for _ in 0..turns {
+            spent += elapsed(&mut work);
+            units += self.time();
+        }
+        spent / units
+    }
+}
+
+/// Seconds by the wall's clock.
+#[expect(clippy::disallowed_methods, reason = "a benchmark reads the clock")]
+fn elapsed(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64()
+}
+
+/// Time of a numeric factorisation.
 fn factorisation(mesh: &Mesh, geometry: &Geometry, repeats: usize) -> f64 {
     let (mut factor, values) = factored(mesh, geometry);
     time_of(repeats, || factor.refactor(&values).expect("as before"))
@@ -148,34 +185,39 @@ fn step_time(flow: &mut CutFlow, steps: usize) -> f64 {
     total / (flow.steps() - before) as f64
 }
 
-/// Mean time of a trial, and of the adjoint solve that goes before it: cut mesh, assembly, factorisation, solves, energy.
-fn trial_time(flow: &mut CutFlow, repeats: usize, unit: f64) -> f64 {
+/// A trial in factorisations, with the adjoint solve that goes before it: cut mesh, assembly, factorisation, solves, energy.
+fn trial_ratio(flow: &mut CutFlow, turns: usize, unit: &mut Unit) -> f64 {
     let length = 1e-4 * flow.mean_edge_length();
-    let both = time_of(repeats, || {
+    let mut trial = || {
         flow.directional_derivative(|_| 1.0, length).expect("a small move can be evaluated");
-    });
+    };
+    let both = unit.ratio(turns, &mut trial);
     let before = flow.factorisations();
     flow.directional_derivative(|_| 1.0, length).expect("as above");
     // Where the gradient needs an adjoint, the solution before is factored anew for it, which belongs to no trial.
-    both - (flow.factorisations() - before - 1) as f64 * unit
+    both - (flow.factorisations() - before - 1) as f64
 }
 
-/// Mean time of a step with the flattened preview that follows it in the page.
-fn previewed_step_time(surface: &Surface, flow: &mut CutFlow, steps: usize) -> f64 {
-    let mut total = 0.0;
+/// A step in factorisations, failed trials included, over the first steps of a run; with a surface, the flattened preview that follows
+/// it in the page as well.
+fn step_ratio(flow: &mut CutFlow, steps: usize, unit: &mut Unit, shown: Option<&Surface>) -> f64 {
+    let (mut spent, mut units) = (0.0, 0.0);
     let mut packing = None;
     let before = flow.steps();
     while flow.steps() < before + steps && flow.status() == Status::Running {
-        total += seconds(|| {
+        spent += elapsed(|| {
             flow.step().expect("the surface can be cut");
-            let cut = flow.cut_mesh();
-            let factor = flow.factor().expect("it was factored");
-            let layout = Layout::preview(surface, cut, factor, packing.as_ref())
-                .expect("the cut can be opened");
-            packing = Some(layout.packing);
+            if let Some(surface) = shown {
+                let cut = flow.cut_mesh();
+                let factor = flow.factor().expect("it was factored");
+                let layout = Layout::preview(surface, cut, factor, packing.as_ref())
+                    .expect("the cut can be opened");
+                packing = Some(layout.packing);
+            }
         });
+        units += unit.time();
     }
-    total / (flow.steps() - before) as f64
+    spent / units
 }
 
 /// A sphere as a session holds it.
@@ -323,11 +365,11 @@ fn flow_rows(is_quick: bool, is_many: bool) -> Vec<Row> {
     for &frequency in sizes {
         let (mesh, geometry) = sphere(frequency);
         let vertices = mesh.vertex_count();
-        let repeats = if is_quick { 20 } else { 40 };
-        let unit = factorisation(&mesh, &geometry, repeats);
+        let turns = if is_quick { 20 } else { 40 };
+        let mut unit = Unit::new(&mesh, &geometry);
         rows.push(Row {
             name: format!("numeric factorisation, {vertices} vertices"),
-            value: 1e3 * unit,
+            value: 1e3 * median((0..turns).map(|_| unit.time()).collect()),
             unit: "ms",
             limit: None,
         });
@@ -341,20 +383,15 @@ fn flow_rows(is_quick: bool, is_many: bool) -> Vec<Row> {
         let mut flow = CutFlow::new(mesh.clone(), geometry.clone(), &initial, weights)
             .expect("the sphere can be cut");
         let steps = if is_quick { 15 } else { 40 };
-        let time = step_time(&mut flow, steps);
-        // Again afterwards: a machine that slows down slows both.
-        let after = factorisation(&mesh, &geometry, repeats);
         rows.push(Row {
             name: format!("step, {name}, {vertices} vertices"),
-            value: time / (0.5 * (unit + after)),
+            value: step_ratio(&mut flow, steps, &mut unit, None),
             unit: "factorisations",
             limit: Some(limit),
         });
-        let trial = trial_time(&mut flow, repeats, after);
-        let again = factorisation(&mesh, &geometry, repeats);
         rows.push(Row {
             name: format!("trial, {name}, {vertices} vertices"),
-            value: trial / (0.5 * (after + again)),
+            value: trial_ratio(&mut flow, turns, &mut unit),
             unit: "factorisations",
             limit: Some(1.5),
         });
@@ -362,12 +399,9 @@ fn flow_rows(is_quick: bool, is_many: bool) -> Vec<Row> {
         let mut flow =
             CutFlow::new(surface.mesh.clone(), surface.geometry.clone(), &initial, weights)
                 .expect("the sphere can be cut");
-        let before = again;
-        let time = previewed_step_time(&surface, &mut flow, steps);
-        let after = factorisation(&mesh, &geometry, repeats);
         rows.push(Row {
             name: format!("step with preview, {name}, {vertices} vertices"),
-            value: time / (0.5 * (before + after)),
+            value: step_ratio(&mut flow, steps, &mut unit, Some(&surface)),
             unit: "factorisations",
             limit: Some(limit),
         });

@@ -1,9 +1,8 @@
 //! What a graphics device holds a copy of, and the bytes of each.
 
 use super::super::arrays::{self, NONE, RimChoice};
-use super::super::occlusion::Occlusion;
 use super::super::{color, cones, layers, occlusion};
-use super::{Scene, Stage, View};
+use super::{Stage, View};
 
 /// Something that a graphics device holds a copy of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,9 +85,6 @@ impl Part {
 /// Pixels of the colour map.
 pub const RAMP_PIXELS: usize = 256;
 
-/// Places whose openness is computed in one frame: some ten milliseconds in a browser.
-const SHADED_AT_ONCE: usize = 8192;
-
 impl Stage {
     pub(super) fn stamp(&mut self, has_changed: bool, parts: &[Part]) {
         for &part in parts.iter().filter(|_| has_changed) {
@@ -110,7 +106,10 @@ impl Stage {
         let hovered = RimChoice::Patch(if self.pointing.has_seam() { NONE } else { self.hover });
         let isolated = self.isolated();
         match part {
-            Part::Geometry => self.shaded(part, arrays::geometry),
+            Part::Geometry => match &mut self.occlusion {
+                Some(occlusion) => arrays::geometry(scene, occlusion),
+                None => Vec::new(),
+            },
             Part::Paint => arrays::paint(scene),
             Part::Charts => arrays::charts(scene),
             Part::Triangles => self.shown_triangles(),
@@ -154,7 +153,10 @@ impl Stage {
                 Some(occlusion) => occlusion.ground_shadow(),
                 None => vec![0; occlusion::SHADOW_PIXELS.pow(2)],
             },
-            Part::LayerVertices => self.shaded(part, layers::vertices),
+            Part::LayerVertices => match &mut self.occlusion {
+                Some(occlusion) => layers::vertices(scene, occlusion),
+                None => Vec::new(),
+            },
             Part::LayerTriangles => layers::triangles(scene, false),
             Part::LayerChartTriangles => layers::triangles(scene, true),
             Part::LayerRims => layers::rim_ribbons(scene),
@@ -163,17 +165,5 @@ impl Stage {
                 levels.into_iter().flatten().flat_map(|(_, _, bytes)| bytes).copied().collect()
             }
         }
-    }
-
-    /// Vertices with their openness. Where that is more than one frame's work, the part has changed again by the next.
-    fn shaded(&mut self, part: Part, make: fn(&Scene, &mut Occlusion) -> Vec<u8>) -> Vec<u8> {
-        let Some(occlusion) = &mut self.occlusion else { return Vec::new() };
-        occlusion.allow(SHADED_AT_ONCE);
-        let bytes = make(&self.scene, occlusion);
-        if occlusion.is_behind() {
-            self.stamp(true, &[part]);
-            self.dirty[View::Surface as usize] = true;
-        }
-        bytes
     }
 }

@@ -309,17 +309,3 @@ fn a_broken_scene_leaves_the_stage_as_it_was() {
     assert!(stage.set_scene(broken).is_err());
     assert_eq!(*stage.scene(), two_squares());
 }
-
-#[test]
-fn a_large_surface_is_shaded_over_several_frames_and_then_rests() {
-    let mut stage = stage(unit_ball(6, 0));
-    let whole = arrays::geometry(stage.scene(), &mut Occlusion::new(stage.scene()));
-    let mut frames = 0;
-    while stage.take_dirty(View::Surface) {
-        stage.bytes(Part::Geometry);
-        frames += 1;
-    }
-    assert_eq!(frames, stage.scene().vertex_count().div_ceil(8192));
-    assert!(frames > 1);
-    assert!(stage.bytes(Part::Geometry) == whole, "it ends as if it had been done at once");
-}
