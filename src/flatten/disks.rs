@@ -104,15 +104,7 @@ impl<'a> Disks<'a> {
         }
         let u = log_scales(self.opened, self.geometry, &uv);
         let charts = self.charts;
-        Flattening {
-            charts,
-            uv,
-            u,
-            seams_equal: false,
-            angles_exact: false,
-            closing: 0.0,
-            residual,
-        }
+        Flattening::of_places(charts, uv, u, false, residual)
     }
 }
 

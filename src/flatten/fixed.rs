@@ -131,7 +131,7 @@ impl FixedMap {
         let seams_equal = seam_difference(opened, &uv) < 1e-10;
         let u = log_scales(opened, geometry, &uv);
         let (charts, residual) = (disks.charts, self.residual);
-        Flattening { charts, uv, u, seams_equal, angles_exact: false, closing: 0.0, residual }
+        Flattening::of_places(charts, uv, u, seams_equal, residual)
     }
 }
 

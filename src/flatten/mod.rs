@@ -124,6 +124,17 @@ impl Flattening {
         }
     }
 
+    /// Charts of given places, whose rims were neither closed nor follow a cone metric.
+    fn of_places(
+        charts: Vec<Result<Vec<HalfedgeId>, NoChart>>,
+        uv: Vec<Point2<f64>>,
+        u: Vec<f64>,
+        seams_equal: bool,
+        residual: f64,
+    ) -> Self {
+        Self { charts, uv, u, seams_equal, angles_exact: false, closing: 0.0, residual }
+    }
+
     /// The outline of a chart, counter-clockwise; empty without chart.
     pub fn outline(&self, opened: &OpenedMesh, patch: usize) -> Vec<Point2<f64>> {
         let rim = self.charts[patch].as_deref().unwrap_or_default();

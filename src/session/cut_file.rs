@@ -19,8 +19,7 @@ struct CutFile {
     vertices: usize,
     points: Vec<Point>,
     /// Two points, and the pieces on their left and right.
-    #[serde(default)]
-    segments: Vec<[u32; 4]>,
+    segments: Option<Vec<[u32; 4]>>,
     vertex_labels: Vec<Option<u32>>,
 }
 
@@ -86,7 +85,11 @@ pub fn cut_from_json(surface: &Surface, name: &str, bytes: &[u8]) -> Result<CutM
         .iter()
         .map(|p| place(surface, p).map_err(|what| refused(name, what)))
         .collect::<Result<_, _>>()?;
-    let pieces: Vec<[u32; 2]> = file.segments.iter().map(|&[a, b, ..]| [a, b]).collect();
+    let segments = file
+        .segments
+        .as_ref()
+        .ok_or_else(|| refused(name, "The file does not say where the cut runs.".to_owned()))?;
+    let pieces: Vec<[u32; 2]> = segments.iter().map(|&[a, b, ..]| [a, b]).collect();
     cut_along(&surface.mesh, &surface.geometry, &places, &pieces).ok_or_else(|| {
         refused(name, "The lines of this cut cross, or do not lie on the mesh.".to_owned())
     })
@@ -124,7 +127,8 @@ fn place(surface: &Surface, point: &Point) -> Result<SurfacePoint, String> {
                 .filter_map(|h| mesh.face(h))
                 .find(|&f| mesh.face_vertices(f).contains(&third))
                 .ok_or_else(|| format!("There is no face of the vertices {a}, {b} and {c}."))?;
-            if !weights.iter().all(|w| *w > 0.0 && *w < 1.0) {
+            let sum: f64 = weights.iter().sum();
+            if !(weights.iter().all(|w| *w > 0.0) && (sum - 1.0).abs() < 1e-9) {
                 return Err(format!("The weights {weights:?} are of no place inside a face."));
             }
             let own = mesh

@@ -509,3 +509,40 @@ fn the_command_writes_over_no_file_of_its_own() {
     let (is_done, told) = run("");
     assert!(!is_done && told.contains("Usage") && !told.contains("error"), "{told}");
 }
+
+#[test]
+fn lines_of_a_cut_file_that_cannot_be_laid_are_refused_and_doubled_ones_are_one() {
+    let mut session = opened(8);
+    steps(&mut session, 3);
+    let cut = session.export("Cut (JSON)").unwrap().bytes;
+    let json: serde_json::Value = serde_json::from_slice(&cut).unwrap();
+    let lay = |json: &serde_json::Value| {
+        let mut other = opened(8);
+        other.lay_out_cut("cut.json", &serde_json::to_vec(json).unwrap())?;
+        Ok::<_, cutflow::session::Problem>(lines_of(&other.export("Cut (JSON)").unwrap().bytes))
+    };
+    let mut doubled = json.clone();
+    let lines = doubled["segments"].as_array_mut().unwrap();
+    let [first, second] = [lines[0].clone(), lines[1].clone()];
+    lines.push(serde_json::json!([first[1], first[0], 0, 1]));
+    lines.push(serde_json::json!([second[0], second[0], 0, 1]));
+    assert_eq!(lay(&doubled).unwrap(), lines_of(&cut));
+
+    let mut silent = json.clone();
+    silent.as_object_mut().unwrap().remove("segments");
+    assert!(lay(&silent).unwrap_err().what.contains("where the cut runs"));
+
+    // A line inside a face that leads nowhere, and places that are in no face.
+    let soup = obj::read(ball(8).as_bytes()).unwrap().soup;
+    let face = soup.polygon(0);
+    let within = |weights: [[f64; 3]; 2]| {
+        let mut other = json.clone();
+        let points = other["points"].as_array_mut().unwrap();
+        let n = points.len();
+        points.extend(weights.map(|w| serde_json::json!({ "face": face, "weights": w })));
+        other["segments"] = serde_json::json!([[n, n + 1, 0, 0]]);
+        lay(&other).unwrap_err().what
+    };
+    assert!(within([[0.2, 0.3, 0.5], [0.4, 0.3, 0.3]]).contains("do not lie on the mesh"));
+    assert!(within([[0.9, 0.9, 0.9], [0.4, 0.3, 0.3]]).contains("no place inside a face"));
+}

@@ -81,16 +81,6 @@ impl std::fmt::Debug for Cache {
     }
 }
 
-/// An analysis that no factor has yet, with the number of flips at which its pattern was made, and the slots of its pairs.
-#[derive(Clone, Default)]
-struct Ready(Option<(usize, Arc<Analysis>, Vec<u32>)>);
-
-impl std::fmt::Debug for Ready {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(if self.0.is_some() { "Ready(some)" } else { "Ready(none)" })
-    }
-}
-
 /// The problem and how far it has come.
 #[derive(Clone, Debug)]
 pub(super) struct Solver {
@@ -118,7 +108,8 @@ pub(super) struct Solver {
     tolerance: f64,
     most_steps: usize,
     cache: Cache,
-    ready: Ready,
+    /// An analysis that no factor has yet, with the number of flips at which its pattern was made, and the slots of its pairs.
+    ready: Option<(usize, Arc<Analysis>, Vec<u32>)>,
 }
 
 impl Solver {
@@ -175,7 +166,7 @@ impl Solver {
             tolerance,
             most_steps,
             cache: Cache(None),
-            ready: Ready(None),
+            ready: None,
         };
         solver.evaluation = solver.evaluate(&solver.v);
         solver.judge();
@@ -184,7 +175,7 @@ impl Solver {
         }
         if solver.progress == Progress::Running {
             // Where memory does not suffice the first step says so.
-            solver.ready = Ready(solver.structure(&solver.pairs()).ok());
+            solver.ready = solver.structure(&solver.pairs()).ok();
         }
         solver
     }
@@ -422,7 +413,7 @@ impl Solver {
                 (cached.factor.analysis().clone(), cached.slots, Some(cached.factor))
             }
             _ => {
-                let ready = self.ready.0.take().filter(|ready| ready.0 == flips);
+                let ready = self.ready.take().filter(|ready| ready.0 == flips);
                 let (_, analysis, slots) = match ready {
                     Some(ready) => ready,
                     None => self.structure(&pairs)?,

@@ -229,7 +229,7 @@ impl IsometricFlow {
         let u = log_scales(&self.opened, &self.geometry, &uv);
         let seams_equal = super::fixed::seam_difference(&self.opened, &uv) < 1e-9;
         let (charts, residual) = (self.charts.clone(), self.progress.residual);
-        Flattening { charts, uv, u, seams_equal, angles_exact: false, closing: 0.0, residual }
+        Flattening::of_places(charts, uv, u, seams_equal, residual)
     }
 
     /// What is needed to go on from here.

@@ -131,18 +131,7 @@ pub fn lpfb_with(
     }
     let u = log_scales(opened, geometry, &uv);
     let residual = map.residual;
-    Ok((
-        Flattening {
-            charts,
-            uv,
-            u,
-            seams_equal: true,
-            angles_exact: false,
-            closing: 0.0,
-            residual,
-        },
-        reports,
-    ))
+    Ok((Flattening::of_places(charts, uv, u, true, residual), reports))
 }
 
 /// Why a patch that virtual cuts cannot open has no chart.

@@ -217,15 +217,7 @@ impl MergeFlow {
         let u = log_scales(&opened, &geometry, &uv);
         // Maps whose solves left more than rounding were not accepted.
         let residual = 0.0;
-        let flattening = Flattening {
-            charts,
-            uv,
-            u,
-            seams_equal: true,
-            angles_exact: false,
-            closing: 0.0,
-            residual,
-        };
+        let flattening = Flattening::of_places(charts, uv, u, true, residual);
         Ok((opened, geometry, flattening))
     }
 }

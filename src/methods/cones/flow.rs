@@ -136,11 +136,16 @@ impl ConeFlow {
     pub fn find_lambda_max(&mut self) -> Result<f64, SolveError> {
         if !self.knows_lambda_max() {
             let home = self.checkpoint();
-            self.set_lambda(self.lambda_max())?;
-            while self.step()?.status == Status::Running {}
+            let mut walk = || -> Result<(), SolveError> {
+                self.set_lambda(self.lambda_max())?;
+                while self.step()?.status == Status::Running {}
+                Ok(())
+            };
+            let walked = walk();
             let found = self.lambda_max.clone();
             self.return_to(&home);
             self.lambda_max = found;
+            walked?;
         }
         Ok(self.lambda_max())
     }

@@ -14,8 +14,8 @@ use crate::mesh::{CutMesh, EdgeId, FaceId, Mesh, SurfacePoint};
 /// The mesh refined along straight pieces of curves, which become its cut.
 ///
 /// **Takes** different places on the mesh, and pieces as pairs of them, each within one face or along an edge. **Gives** nothing where
-/// two places of a piece have no face in common, or where pieces cross or are so close that a face cannot be divided
-/// between them. Places on edges are rounded to 2⁻⁴⁰ of the edge, where those of [`super::straighten`] are already.
+/// two places of a piece have no face in common, or where pieces cross, lie in a face without reaching its sides, or are so close that
+/// it cannot be divided between them. Places on edges are rounded to 2⁻⁴⁰ of the edge, where those of [`super::straighten`] are already.
 pub fn cut_along(
     mesh: &Mesh,
     geometry: &Geometry,
@@ -33,7 +33,11 @@ pub fn cut_along(
         net.add_node(place);
     }
     let mut along: Vec<(EdgeId, [u32; 2])> = Vec::new();
-    for &ends in pieces {
+    let mut pieces: Vec<[u32; 2]> =
+        pieces.iter().map(|&[a, b]| [a.min(b), a.max(b)]).filter(|[a, b]| a != b).collect();
+    pieces.sort_unstable();
+    pieces.dedup();
+    for ends in pieces {
         let [a, b] = ends.map(|n| places.get(n as usize).copied());
         let shared = common(mesh, a?, b?);
         match shared {
@@ -66,7 +70,13 @@ pub fn cut_along(
         let (i, j) = (i?.min(j?), i?.max(j?));
         cut.cut_edges.extend(row[i..=j].windows(2).map(|pair| [pair[0], pair[1]]));
     }
-    Some(cut)
+    // A piece that hangs together with no side of its face has been passed over.
+    let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+    let mut sides: Vec<[u32; 2]> =
+        cut.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(sorted)).collect();
+    sides.sort_unstable();
+    let is_laid = |&ends: &[u32; 2]| sides.binary_search(&sorted(ends)).is_ok();
+    cut.cut_edges.iter().all(is_laid).then_some(cut)
 }
 
 /// What two places have in common.
