@@ -7,8 +7,9 @@
 
 use std::collections::BTreeMap;
 
-use super::message::{ParamKind, Value};
-use super::specs::all_specs;
+use super::message::{Condition, ParamKind, Value};
+use super::method::Method;
+use super::specs::{all_specs, specs_of};
 use super::text::Problem;
 use super::{cones, patterning, segmenting};
 use crate::methods::cutflow::{CutFlowParams, Pointwise, Schedule, Scheme, Topology, Weights};
@@ -203,6 +204,40 @@ impl Settings {
     /// Whether a switch is on.
     pub fn is_on(&self, id: &str) -> bool {
         self.values.get(id) == Some(&Value::Truth(true))
+    }
+
+    /// Whether a parameter has the value that another one asks for.
+    pub(super) fn meets(&self, condition: &Condition) -> bool {
+        let value = match self.values.get(condition.id.as_str()) {
+            Some(Value::Text(text)) => text.clone(),
+            Some(Value::Truth(is_on)) => is_on.to_string(),
+            Some(Value::Number(x)) => x.to_string(),
+            None => return false,
+        };
+        condition.one_of.contains(&value)
+    }
+
+    /// Whether a parameter that was given has a say in a method, beside the others' values. **Fails** with what it would need.
+    pub fn check_effect(&self, method: Method, id: &str) -> Result<(), Problem> {
+        let Some(spec) = specs_of(method).into_iter().find(|spec| spec.id == id) else {
+            return Err(Problem::new(
+                format!("The parameter “{id}” does not belong to this method."),
+                "Among what was given.",
+                "Leave it out; --set help lists what this method takes.",
+            ));
+        };
+        match spec.visible_if {
+            Some(condition) if !self.meets(&condition) => Err(Problem::new(
+                format!("{} ({id}) would change nothing here.", spec.label),
+                "Among what was given.",
+                format!(
+                    "Leave it out, or let {} be {}.",
+                    condition.id,
+                    condition.one_of.join(" or ")
+                ),
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// The options of the flow.

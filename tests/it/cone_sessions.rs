@@ -219,6 +219,9 @@ fn the_path_over_lambda_falls_in_angle_and_rises_in_distortion() {
         .unwrap();
     // The path ends where hundreds of vertices are cones.
     assert!(is_complete && points.len() >= 4, "{}", points.len());
+    // It begins at the largest λ, which is known from then on.
+    let table = cones(&events);
+    assert!(table.is_lambda_max_exact && (table.lambda_max - points[0].lambda).abs() < 1e-9);
     for pair in points.windows(2) {
         assert!(pair[0].lambda > pair[1].lambda);
         assert!(pair[1].total_angle >= pair[0].total_angle - 1e-9);

@@ -107,10 +107,14 @@ fn format() -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
+/// The viewer natively: its unit tests need no canvas.
+const VIEWER: [&str; 2] = ["--features", "cutflow/viewer"];
+
 /// Everything native, then the crate as each of the two wasm files sees it.
 fn lint() -> Result<Outcome> {
     let deny = ["--", "-D", "warnings"];
-    process::run(process::cargo("clippy").args(["--workspace", "--all-targets"]).args(deny))?;
+    let all = ["--workspace", "--all-targets"];
+    process::run(process::cargo("clippy").args(all).args(VIEWER).args(deny))?;
     match WasmCompiler::find()? {
         compiler @ WasmCompiler::Current => {
             for bundle in &BUNDLES {
@@ -125,8 +129,8 @@ fn lint() -> Result<Outcome> {
                 process::run(cargo.args(deny))?;
             }
         }
-        // Its clippy is a package of its own, and of another version than the rest of the lints were read by. The
-        // engine's code compiles natively as well; the viewer's does not, and goes unread here.
+        // Its clippy is a package of its own, and of another version than the rest of the lints were read by. Most of the
+        // code compiles natively as well.
         WasmCompiler::Debian => {
             let engine = ["--lib", "--no-default-features", "--features", "engine"];
             process::run(process::cargo("clippy").args(engine).args(deny))?;
@@ -136,7 +140,7 @@ fn lint() -> Result<Outcome> {
 }
 
 fn native() -> Result<Outcome> {
-    process::run(process::cargo("test").args(["--workspace", "--no-fail-fast"]))?;
+    process::run(process::cargo("test").args(["--workspace", "--no-fail-fast"]).args(VIEWER))?;
     Ok(Outcome::Passed)
 }
 

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cutflow::session::{
-    Brought, Command, ConesReport, Document, Problem, Session, Settings, Value, settings_for,
+    Brought, Command, ConesReport, Document, Method, Problem, Session, Settings, Value,
+    settings_for,
 };
 
-use super::cut::{assignment, bring_layers, typed};
+use super::cut::{assignment, bring_layers, set_others};
 use super::{
     MeshArgs, Report, clock, make_folder, open, print_flattening, read, tell, warn_of_charts,
     write, write_cut, write_json, writes_to_stdout,
@@ -163,10 +164,8 @@ fn settings(args: &ConesArgs, document: &Document) -> Result<Settings, Problem> 
     if let Some(size) = args.size_mm {
         settings.set("size", Value::Number(size))?;
     }
-    for text in &args.values {
-        let (id, value) = assignment(text, "--set")?;
-        settings.set(id, typed(id, value)?)?;
-    }
+    let given = if args.lambda.is_some() { vec!["lambda"] } else { Vec::new() };
+    set_others(&mut settings, &args.values, Method::Cones, given)?;
     Ok(settings)
 }
 

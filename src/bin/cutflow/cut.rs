@@ -67,7 +67,7 @@ pub struct CutArgs {
     #[arg(long)]
     axis: Option<String>,
     /// Where the plane cuts its axis, percent from the middle.
-    #[arg(long, value_name = "PERCENT", allow_hyphen_values = true)]
+    #[arg(long, value_name = "PERCENT")]
     offset: Option<f64>,
     /// Centre vertex of the circle, counted from 0.
     #[arg(long)]
@@ -158,11 +158,23 @@ fn settings(args: &CutArgs, document: &Document) -> Result<Settings, Problem> {
     if args.one_sided {
         settings.set("one_sided", Value::Truth(true))?;
     }
+    if args.weight.is_some() && args.energy.is_none() && args.preset.is_some() {
+        return Err(Problem::new(
+            "A weight was given, and not of which distortion.",
+            "--weight beside --preset.",
+            "Add --energy, or set dirichlet or hencky by --set.",
+        ));
+    }
+    // 0 steps are none at all: the loop below does not begin.
+    let steps = Value::Number(args.steps.unwrap_or(100).max(1) as f64);
+    settings.set("steps", steps)?;
+    settings.set("tolerance", Value::Number(args.tolerance))?;
+    let mut given = Vec::new();
+    if args.axis.is_some() {
+        given.push("axis");
+    }
     for (id, value) in [
         ("length", args.length),
-        ("tolerance", Some(args.tolerance)),
-        // 0 steps are none at all: the loop below does not begin.
-        ("steps", Some(args.steps.unwrap_or(100).max(1) as f64)),
         ("regions", args.regions),
         ("angle", args.angle),
         ("offset", args.offset),
@@ -176,13 +188,33 @@ fn settings(args: &CutArgs, document: &Document) -> Result<Settings, Problem> {
     ] {
         if let Some(value) = value {
             settings.set(id, Value::Number(value))?;
+            given.push(id);
         }
     }
-    for text in &args.values {
-        let (id, value) = assignment(text, "--set")?;
-        settings.set(id, typed(id, value)?)?;
+    set_others(&mut settings, &args.values, Method::CutFlow, given)?;
+    if !args.seeds.is_empty() && settings.text("init") != "seeds" {
+        return Err(Problem::new(
+            "Seeds were given, and another initial cut.",
+            "--seeds.",
+            "Add --init seeds, or leave the seeds out.",
+        ));
     }
     Ok(settings)
+}
+
+/// What `--set` says; then whether everything that was given has a say.
+pub fn set_others<'a>(
+    settings: &mut Settings,
+    values: &'a [String],
+    method: Method,
+    mut given: Vec<&'a str>,
+) -> Result<(), Problem> {
+    for text in values {
+        let (id, value) = assignment(text, "--set")?;
+        settings.set(id, typed(id, value)?)?;
+        given.push(id);
+    }
+    given.iter().try_for_each(|id| settings.check_effect(method, id))
 }
 
 /// NAME=TEXT in two parts.

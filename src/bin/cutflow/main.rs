@@ -58,18 +58,24 @@ enum Task {
         report: Report,
     },
     /// Divides a surface into other triangles and writes it as OBJ.
+    #[command(allow_negative_numbers = true)]
     Prepare(PrepareArgs),
     /// Moves a cut to lower the distortion of its pieces.
+    #[command(allow_negative_numbers = true)]
     Cut(Box<cut::CutArgs>),
     /// Finds the cones that lower the distortion most for their angle, joins them by seams and flattens.
+    #[command(allow_negative_numbers = true)]
     Cones(Box<cones::ConesArgs>),
     /// Divides a surface in two again and again by phase fields.
+    #[command(allow_negative_numbers = true)]
     Phasefield(Box<segment::PhaseFieldArgs>),
     /// Parts a surface into few pieces that nearly lie flat.
+    #[command(allow_negative_numbers = true)]
     Develop(Box<segment::DevelopArgs>),
     /// Flattens a mesh along a cut and measures the result.
     Flatten(FlattenArgs),
     /// Writes a pattern at real size, or the surface with its UV map.
+    #[command(allow_negative_numbers = true)]
     Pattern(Box<pattern::PatternArgs>),
     /// Does again what a project holds.
     Run(pattern::RunArgs),

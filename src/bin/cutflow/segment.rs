@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cutflow::session::{
-    Command, DevelopReport, DevelopSeconds, Document, Event, PhaseFieldReport, Problem, Session,
-    Settings, Value, settings_for,
+    Command, DevelopReport, DevelopSeconds, Document, Event, Method, PhaseFieldReport, Problem,
+    Session, Settings, Value, settings_for,
 };
 
-use super::cut::{assignment, bring_layers, typed};
+use super::cut::{bring_layers, set_others};
 use super::{
     MeshArgs, Report, clock, make_folder, open, print_flattening, tell, warn_of_charts, write_cut,
     write_json, writes_to_stdout,
@@ -32,16 +32,16 @@ pub struct PhaseFieldArgs {
     #[command(flatten)]
     mesh: MeshArgs,
     /// How often segments are divided, from 1 to 5: into 2, 4, 8, 16 or 32.
-    #[arg(long, value_name = "K", allow_hyphen_values = true)]
+    #[arg(long, value_name = "K")]
     levels: Option<f64>,
     /// Width of the interface, on the surface scaled to area 4π. It has to span two edges.
-    #[arg(long, value_name = "E", allow_hyphen_values = true)]
+    #[arg(long, value_name = "E")]
     epsilon: Option<f64>,
     /// What distortion costs against length.
-    #[arg(long, value_name = "W", allow_hyphen_values = true)]
+    #[arg(long, value_name = "W")]
     omega: Option<f64>,
     /// What unconnected parts cost: ε to the power −κ.
-    #[arg(long, value_name = "KAPPA", allow_hyphen_values = true)]
+    #[arg(long, value_name = "KAPPA")]
     kappa: Option<f64>,
     /// Draws parts of a segment that fell apart together, which is what happens without this option too.
     #[arg(long, conflicts_with = "unconnected")]
@@ -50,13 +50,13 @@ pub struct PhaseFieldArgs {
     #[arg(long)]
     unconnected: bool,
     /// How much of a segment's area its first part gets, per cent.
-    #[arg(long, value_name = "PERCENT", allow_hyphen_values = true)]
+    #[arg(long, value_name = "PERCENT")]
     fraction: Option<f64>,
     /// What the first division starts from.
     #[arg(long, value_enum)]
     start: Option<PhaseStart>,
     /// Runs for each division; the best is kept.
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(long, value_name = "N")]
     starts: Option<f64>,
     #[command(flatten)]
     common: Common,
@@ -83,19 +83,19 @@ pub struct DevelopArgs {
     #[command(flatten)]
     mesh: MeshArgs,
     /// How far normals of a first piece may be from their mean: squared difference times area, as a fraction of the surface.
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    #[arg(long, value_name = "T")]
     tolerance: Option<f64>,
     /// What merged pieces are tested by.
     #[arg(long, value_enum)]
     measure: Option<Measure>,
     /// Pieces are not merged where their area would change by more, per cent.
-    #[arg(long, value_name = "PERCENT", allow_hyphen_values = true)]
+    #[arg(long, value_name = "PERCENT")]
     area: Option<f64>,
     /// Nor where they would be stretched by more (raw L²).
-    #[arg(long, value_name = "L2", allow_hyphen_values = true)]
+    #[arg(long, value_name = "L2")]
     stretch: Option<f64>,
     /// Darts that one piece may get at a time.
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(long, value_name = "N")]
     darts: Option<f64>,
     /// The order of merging.
     #[arg(long, value_enum)]
@@ -149,40 +149,40 @@ struct Common {
 /// Parameters of a document, with those that options ask for.
 fn settings(
     document: &Document,
+    method: Method,
     options: &[(&str, Option<Value>)],
     common: &Common,
 ) -> Result<Settings, Problem> {
     let mut settings = settings_for(document);
+    let mut given = Vec::new();
     for (id, value) in options {
         if let Some(value) = value {
             settings.set(id, value.clone())?;
+            given.push(*id);
         }
     }
     if let Some(size) = common.size_mm {
         settings.set("size", Value::Number(size))?;
     }
-    for text in &common.values {
-        let (id, value) = assignment(text, "--set")?;
-        settings.set(id, typed(id, value)?)?;
-    }
+    set_others(&mut settings, &common.values, method, given)?;
     Ok(settings)
 }
 
 /// Opens a mesh for a method, with everything that belongs to the surface.
 fn begin(
-    method: &str,
+    method: Method,
     mesh: &MeshArgs,
     options: &[(&str, Option<Value>)],
     common: &Common,
 ) -> Result<Session, Problem> {
     let document = open(mesh)?;
     document.surface()?;
-    let settings = settings(&document, options, common)?;
+    let settings = settings(&document, method, options, common)?;
     if let Some(folder) = &common.output {
         make_folder(folder)?;
     }
     let mut session = Session::new();
-    tell(session.handle(Command::SetMethod { id: method.into() }))?;
+    tell(session.handle(Command::SetMethod { id: method.id().into() }))?;
     tell(session.open_with(Ok(document), settings))?;
     if let Some(unit) = &common.unit {
         tell(session.handle(Command::SetUnit { id: unit.clone() }))?;
@@ -224,7 +224,7 @@ pub fn phasefield(args: &PhaseFieldArgs) -> Result<(), Problem> {
         ("phase_start", text(start)),
         ("starts", number(args.starts)),
     ];
-    let mut session = begin("phasefield", &args.mesh, &options, &args.common)?;
+    let mut session = begin(Method::PhaseField, &args.mesh, &options, &args.common)?;
     let is_quiet = writes_to_stdout(&args.common.report);
     let clock = clock();
     tell(session.handle(Command::Run))?;
@@ -304,7 +304,7 @@ pub fn develop(args: &DevelopArgs) -> Result<(), Problem> {
         ("denoise", args.denoise.then_some(Value::Truth(true))),
         ("min_cut", args.no_min_cut.then_some(Value::Truth(false))),
     ];
-    let mut session = begin("developable", &args.mesh, &options, &args.common)?;
+    let mut session = begin(Method::Developable, &args.mesh, &options, &args.common)?;
     let is_quiet = writes_to_stdout(&args.common.report);
     tell(session.handle(Command::Run))?;
     let mut seconds = DevelopSeconds::default();

@@ -1,7 +1,7 @@
 //! The parameters in which a result differs from what its mesh was opened with.
 
 use super::super::document::Document;
-use super::super::message::{Condition, ParamKind, ParamSpec, Value};
+use super::super::message::{ParamKind, ParamSpec, Value};
 use super::super::method::Method;
 use super::super::params::Settings;
 use super::super::size::settings_for;
@@ -22,7 +22,7 @@ pub(super) fn changed(
     specs_of(method)
         .iter()
         .filter(|spec| !spec.group.starts_with(PATTERN) && !["size", "unit"].contains(&&*spec.id))
-        .filter(|spec| spec.visible_if.as_ref().is_none_or(|c| holds(c, settings)))
+        .filter(|spec| spec.visible_if.as_ref().is_none_or(|c| settings.meets(c)))
         .filter_map(|spec| {
             let value = now.get(&spec.id)?;
             (usual.get(&spec.id) != Some(value)).then(|| ChangedSetting {
@@ -33,16 +33,6 @@ pub(super) fn changed(
             })
         })
         .collect()
-}
-
-fn holds(condition: &Condition, settings: &Settings) -> bool {
-    let value = match settings.values().get(&condition.id) {
-        Some(Value::Text(text)) => text.clone(),
-        Some(Value::Truth(is_on)) => is_on.to_string(),
-        Some(Value::Number(x)) => x.to_string(),
-        None => return false,
-    };
-    condition.one_of.contains(&value)
 }
 
 /// A value as a person reads it.

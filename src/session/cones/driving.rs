@@ -71,6 +71,10 @@ impl Session {
                 if is_news {
                     events.push(work.cones.path_event());
                 }
+                // A path that begins at the largest λ has made that known.
+                if work.cones.tracing.is_none() {
+                    events.extend(self.cones_event());
+                }
                 Ok(())
             }
             Err(error) => {

@@ -91,6 +91,17 @@ impl Work {
                 set.int_u2, state.int_u2,
             ));
         }
+        if let Some(changed) = &self.cones.edits.changed {
+            let has_free = changed.iter().any(|used| used.kind == ConeKind::Free);
+            let fitted = match has_free {
+                true => " With the free ones, all angles that are not fixed were fitted to distort least.",
+                false => "",
+            };
+            notes.push(format!(
+                "Changed by hand: ∫u² is {:.4} where the optimum for this λ has {:.4}.{fitted}",
+                set.int_u2, state.int_u2
+            ));
+        }
         (!notes.is_empty()).then(|| notes.join(" "))
     }
 

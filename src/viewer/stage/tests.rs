@@ -1,5 +1,6 @@
 //! The stage as a whole: what is made again after what, and what lies under the pointer.
 
+use super::super::cones;
 use super::super::fixtures::{overlapping_squares, two_squares, unit_ball};
 use super::*;
 use crate::session::scene::FieldScene;
