@@ -246,8 +246,9 @@ pub fn closest(corners: &[Point3<f64>; 3], p: Point3<f64>) -> ([f64; 3], Point3<
     let doubled = n.norm_squared();
     let wedge = |u: Point3<f64>, v: Point3<f64>| (u - p).cross(&(v - p)).dot(&n) / doubled;
     let weights = [wedge(b, c), wedge(c, a), wedge(a, b)];
-    if weights.iter().all(|w| *w >= 0.0) {
-        let sum: f64 = weights.iter().sum();
+    let sum: f64 = weights.iter().sum();
+    // In a triangle that is hardly any rounding decides: its sides are all that there is.
+    if weights.iter().all(|w| *w >= 0.0) && (sum - 1.0).abs() < 1e-3 {
         let weights = weights.map(|w| w / sum);
         let point = a.coords * weights[0] + b.coords * weights[1] + c.coords * weights[2];
         return (weights, point.into());

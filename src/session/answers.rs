@@ -1,9 +1,11 @@
 //! What a session gives when it is asked: pictures, files, reports, charts.
 
+use super::refining::Refinement;
+use super::work::Pending;
 use super::{
-    Command, ConesReport, CutReport, Document, Entry, File, HistoryRow, InfoReport, Layout, Method,
-    Problem, Scene, Session, Work, cut_from_json, cut_from_uv, doctor, error_event, nothing_open,
-    picture, work,
+    ConesReport, CutReport, Document, Entry, File, HistoryRow, InfoReport, Layout, Method, Problem,
+    Scene, Session, Work, cut_from_json, cut_from_uv, doctor, error_event, nothing_open, picture,
+    work,
 };
 
 /// The export that holds everything.
@@ -152,21 +154,31 @@ impl Session {
         Ok(())
     }
 
+    /// Whether something waits that has to be done before a cut can be flattened whole.
+    fn is_unsettled(&self) -> bool {
+        let Some(work) = &self.work else { return false };
+        let is_refined = work.refinement.as_ref().is_none_or(Refinement::is_over);
+        let are_cones_due = work.method == Method::Cones && work.cones.is_unsettled();
+        work.first_cut_is_due
+            || work.pending != Pending::None
+            || are_cones_due
+            || !work.is_settled
+            || !is_refined
+    }
+
     /// The work with a cut that is flattened whole.
     pub(super) fn settled(&mut self) -> Result<&mut Work, Problem> {
+        if self.is_unsettled() {
+            self.log.push(Entry::Settle);
+        }
         if self.first_cut_is_due() {
             let mut events = Vec::new();
             self.make_first_cut(&mut events);
             self.late.extend(events);
         }
-        if self.is_stroke_open() {
-            self.end_stroke();
-            self.log.push(Entry::Do(Command::EndStroke));
-        }
+        self.end_stroke();
         if self.is_behind() {
             let mut events = Vec::new();
-            // What a step would have done is a step of the project too.
-            self.log.step();
             self.catch_up(&mut events)?;
             self.late.extend(events);
         }

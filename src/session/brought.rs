@@ -172,13 +172,15 @@ impl Session {
                 work.pending = work.pending.max(pending);
                 if let Err(problem) = self.catch_up(events) {
                     // What cannot be followed is not in force.
+                    self.undo.truncate(depth);
+                    self.redo = redo;
                     if let Some(work) = &mut self.work {
                         work.layers = layers;
                         work.settings = settings;
                         work.pending = was_pending;
+                        // A cut flow that stands aside may know it already.
+                        work.tell_flow()?;
                     }
-                    self.undo.truncate(depth);
-                    self.redo = redo;
                     return Err(problem);
                 }
             }

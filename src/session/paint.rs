@@ -204,12 +204,12 @@ impl Session {
                 Pending::Fields
             }
         };
-        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
-            self.unfold(events)?;
-        }
         // A stroke that goes on after Undo is another one.
         if begins || self.undo.last().is_none_or(|last| last.kind != "paint") {
             self.remember(&format!("paint {}", label.to_lowercase()), "paint");
+        }
+        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
+            self.unfold(events)?;
         }
         let channel = if channel == "seed" && pending == Pending::None { "" } else { channel };
         self.put_layers(channel, layers, pending, events);

@@ -9,9 +9,9 @@
 use std::collections::BTreeMap;
 
 use super::document::Document;
-use super::message::{Event, NoticeText, ToolParam, ToolSpec};
+use super::message::{Command, Event, NoticeText, ToolParam, ToolSpec};
 use super::text::Problem;
-use super::{Session, nothing_open, size};
+use super::{Entry, Session, nothing_open, size};
 use crate::mesh::Soup;
 use crate::mesh::doctor::FindingKind;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
@@ -336,6 +336,11 @@ impl Session {
         let mut settings = work.settings.clone();
         size::keep(&work.document, &document, &mut settings);
         self.change_to(document, settings, &label, events);
+        if let Some(before) = self.undo.last_mut() {
+            // What Undo goes back to has not come to this end.
+            before.log.take_back_step();
+            before.log.push(Entry::Do(Command::EndStroke));
+        }
         Ok(())
     }
 }

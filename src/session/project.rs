@@ -48,6 +48,8 @@ pub(super) enum Entry {
     LayOutUvSeams,
     /// Steps of whatever was running.
     Steps(usize),
+    /// Everything that waited was brought to rest at once, for a file or a pattern.
+    Settle,
 }
 
 /// What [`Brought`] borrows, to keep.
@@ -129,6 +131,11 @@ impl Log {
     /// One step of whatever is running.
     pub fn step(&mut self) {
         self.steps += 1;
+    }
+
+    /// The step that was made last was none.
+    pub fn take_back_step(&mut self) {
+        self.steps = self.steps.saturating_sub(1);
     }
 
     pub fn push(&mut self, entry: Entry) {
@@ -313,6 +320,11 @@ impl Session {
             }
             Entry::LayOutUvSeams => {
                 self.lay_out_uv_seams()?;
+                Vec::new()
+            }
+            Entry::Settle => {
+                // Where it failed, what was asked for was refused; what came after was done all the same.
+                let _ = self.settled();
                 Vec::new()
             }
             Entry::Steps(count) => {

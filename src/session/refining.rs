@@ -70,10 +70,15 @@ impl Refinement {
         self.show(surface, layout);
     }
 
+    /// Whether no step is left.
+    pub fn is_over(&self) -> bool {
+        self.flow.status() != Status::Running || self.flow.steps() >= STEPS
+    }
+
     /// All steps that are left, after a pause too; the layout follows once.
     /// **Gives** whether there were any.
     pub fn finish(&mut self, surface: &Surface, layout: &mut Layout) -> bool {
-        self.is_running = self.flow.status() == Status::Running && self.flow.steps() < STEPS;
+        self.is_running = !self.is_over();
         if !self.is_running {
             return false;
         }

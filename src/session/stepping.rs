@@ -107,7 +107,7 @@ impl Session {
     }
 
     /// Whether something was painted that the flow does not know yet.
-    pub(super) fn is_behind(&self) -> bool {
+    pub fn is_behind(&self) -> bool {
         let is_due = |work: &Work| !matches!(work.pending, Pending::None | Pending::Stroke);
         self.work.as_ref().is_some_and(is_due)
     }

@@ -15,8 +15,23 @@ const DEPTH: usize = 40;
 const DOCUMENTS: usize = 3;
 
 impl Session {
+    /// What waits, such as paint that a flow does not know yet, is taken up: Undo and Redo lead to nothing unfinished.
+    fn take_up(&mut self) {
+        if !self.is_behind() {
+            return;
+        }
+        // What a step would have done is a step of the project too.
+        self.log.step();
+        let mut events = Vec::new();
+        if let Err(problem) = self.catch_up(&mut events) {
+            self.refuse(problem, &mut events);
+        }
+        self.late.extend(events);
+    }
+
     /// Keeps what is there now under the name of the change that comes.
     pub(super) fn remember(&mut self, label: &str, kind: &str) {
+        self.take_up();
         let Some(work) = &self.work else { return };
         self.redo.clear();
         // Moving one slider is one change, unless the cut flow made steps meanwhile.
@@ -30,7 +45,7 @@ impl Session {
         }
         let mut snapshot = work.snapshot(label, kind);
         snapshot.log = self.log.clone();
-        snapshot.was_running = self.is_running;
+        snapshot.was_running = self.is_running || self.is_nesting();
         self.undo.push(snapshot);
         if self.undo.len() > DEPTH {
             self.undo.remove(0);
@@ -51,6 +66,8 @@ impl Session {
     /// Undo (negative) or redo of so many changes at once, or of all that there are. What lies between is passed over: only
     /// where the way ends a cut is laid out.
     pub(super) fn travel(&mut self, changes: i32, events: &mut Vec<Event>) -> Result<(), Problem> {
+        self.take_up();
+        let is_at_work = self.is_running || self.is_nesting();
         let (from, to) = if changes < 0 {
             (&mut self.undo, &mut self.redo)
         } else {
@@ -63,7 +80,7 @@ impl Session {
         let Some(now) = &self.work else { return Ok(()) };
         let mut passed = now.snapshot("", "");
         passed.log = self.log.clone();
-        passed.was_running = self.is_running;
+        passed.was_running = is_at_work;
         // A change keeps its name while what is on its other side takes its place.
         for next in from.drain(end..).rev() {
             passed.label.clone_from(&next.label);
@@ -125,6 +142,7 @@ impl Work {
         self.develop.put_back(target.develop.clone());
         self.layers = target.layers.clone();
         self.pending = target.pending;
+        self.seam_edges.clone_from(&target.seam_edges);
         self.symmetries.clone_from(&target.symmetries);
         self.history.clone_from(&target.history);
         self.start.clone_from(&target.start);

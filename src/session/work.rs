@@ -73,7 +73,7 @@ pub(super) struct Work {
     /// Allowances of single seams of that layout, mm.
     pub seam_allowances: BTreeMap<usize, f64>,
     /// The cut that those seams belong to.
-    seam_edges: Vec<[u32; 2]>,
+    pub seam_edges: Vec<[u32; 2]>,
     /// A cut from a file that is laid out as it is, until the flow makes another.
     given: Option<CutMesh>,
     /// The layout at rest is of the current cut.
@@ -127,8 +127,9 @@ pub(super) struct Snapshot {
     pub first_cut_is_due: bool,
     pub history: Vec<HistoryRow>,
     pub start: Option<Vec<Row>>,
-    /// Allowances of single seams.
+    /// Allowances of single seams, and the edges of the cut whose seams have these numbers.
     pub seam_allowances: BTreeMap<usize, f64>,
+    pub seam_edges: Vec<[u32; 2]>,
     /// What had been done until then.
     pub log: Log,
     pub was_running: bool,
@@ -295,6 +296,7 @@ impl Work {
             history: self.history.clone(),
             start: self.start.clone(),
             seam_allowances: self.seam_allowances.clone(),
+            seam_edges: self.seam_edges.clone(),
             log: Log::default(),
             was_running: false,
             was_folded: self.fold.is_some(),

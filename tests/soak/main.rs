@@ -66,12 +66,20 @@ struct Asked {
     /// Loads, runs and resets.
     cycles: usize,
     seed: u64,
+    /// One sequence, by the number that a finding has.
+    sequence: Option<u64>,
     only: Option<String>,
 }
 
 fn asked() -> Asked {
-    let mut asked =
-        Asked { executions: 10_000_000, sequences: 10_000, cycles: 1000, seed: 1, only: None };
+    let mut asked = Asked {
+        executions: 10_000_000,
+        sequences: 10_000,
+        cycles: 1000,
+        seed: 1,
+        sequence: None,
+        only: None,
+    };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().unwrap_or_else(|| panic!("{word} needs a value after it"));
@@ -80,6 +88,7 @@ fn asked() -> Asked {
             "--sequences" => asked.sequences = value().parse().expect("a whole number"),
             "--cycles" => asked.cycles = value().parse().expect("a whole number"),
             "--seed" => asked.seed = value().parse().expect("a whole number"),
+            "--sequence" => asked.sequence = Some(value().parse().expect("a whole number")),
             "--only" => asked.only = Some(value()),
             // Cargo says this to everything that it runs.
             "--bench" => {}
@@ -103,6 +112,14 @@ impl Findings {
             println!("FOUND {}: {what}\n", self.0);
         }
     }
+
+    /// Says how many there are; ends with 1 if there are any.
+    fn tell(&self, start: Instant) {
+        println!("findings: {} in {:.0} s", self.0, start.elapsed().as_secs_f64());
+        if self.0 > 0 {
+            std::process::exit(1);
+        }
+    }
 }
 
 fn main() {
@@ -117,6 +134,10 @@ fn main() {
     let mut findings = Findings::default();
     let start = Instant::now();
     let Asked { executions, sequences, cycles, seed, .. } = asked;
+    if let Some(number) = asked.sequence {
+        findings.put(sequences::run(number, ACTIONS, &mut sequences::Counts::default()));
+        return findings.tell(start);
+    }
     println!("soak: {executions} executions, {sequences} sequences, {cycles} cycles, seed {seed}");
     if wants("degenerate") {
         table(&mut findings);
@@ -130,10 +151,7 @@ fn main() {
     if wants("sequences") {
         orders(sequences, seed, &mut findings);
     }
-    println!("findings: {} in {:.0} s", findings.0, start.elapsed().as_secs_f64());
-    if findings.0 > 0 {
-        std::process::exit(1);
-    }
+    findings.tell(start);
 }
 
 /// Surfaces that hardly are any, through every method.

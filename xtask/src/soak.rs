@@ -6,7 +6,7 @@ use crate::args::Args;
 use crate::process;
 
 /// What may be told to the harness, beside the part that is wanted.
-const NUMBERS: [&str; 4] = ["--executions", "--sequences", "--cycles", "--seed"];
+const NUMBERS: [&str; 5] = ["--executions", "--sequences", "--cycles", "--seed", "--sequence"];
 
 /// Runs the harness of `tests/soak` natively, in a profile of release speed that still checks sums for overflow.
 pub fn soak(mut args: Args) -> Result<()> {

@@ -119,11 +119,14 @@ impl CutFlow {
         params.saddle_tests = 0;
         // The fine flow finishes; the last tenths of a percent are its own.
         params.tolerance = params.tolerance.max(1e-3);
+        let has_its_side =
+            |flow: &Self| !params.weights.one_sided || flow.state.labels().contains(&0);
         match Self::from_start(mesh.into(), geometry.into(), start, params, &fields) {
             // With many regions, one that the coarse surface cannot hold may vanish, as in any step.
             Ok(flow)
-                if is_filled
-                    || is_allowed(regions(&flow), regions(self), self.has_many_regions()) =>
+                if has_its_side(&flow)
+                    && (is_filled
+                        || is_allowed(regions(&flow), regions(self), self.has_many_regions())) =>
             {
                 Ok(Some(Coarse { flow: Box::new(flow), places, failures: 0 }))
             }

@@ -181,6 +181,9 @@ impl CutFlow {
         params.validate()?;
         fields.validate(mesh.vertex_count())?;
         let start = initial_labels(&mesh, &geometry, initial)?;
+        if params.weights.one_sided && !start.labels.contains(&0) {
+            return Err(SolveError::NoFirstRegion);
+        }
         Self::from_start(mesh, geometry, start, params, fields)
     }
 
@@ -215,9 +218,6 @@ impl CutFlow {
         fields: &CutFields,
     ) -> Result<Self, SolveError> {
         let mean_edge = geometry.mean_edge_length();
-        if params.weights.one_sided && !start.labels.contains(&0) {
-            return Err(SolveError::NoFirstRegion);
-        }
         let (symmetric, start) =
             Symmetric::new(&mesh, &geometry, &fields.symmetry, start, &params.weights)?;
         let mut problem = Problem::new(mesh, geometry)?;

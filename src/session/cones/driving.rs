@@ -246,7 +246,7 @@ impl Session {
         let Some(work) = self.work.as_mut().filter(|work| work.method == Method::Cones) else {
             return;
         };
-        work.cones.has_dropped |= work.cones.edits.changed.take().is_some();
+        work.cones.edits.has_dropped |= work.cones.edits.changed.take().is_some();
         work.cones.ask_again();
         self.is_running = true;
     }

@@ -16,6 +16,8 @@ pub struct Edits {
     pub placed: Vec<Placed>,
     /// All cones, once one of the result was moved, turned to another angle or taken away: then the optimum is left.
     pub changed: Option<Vec<UsedCone>>,
+    /// Whether such changes were given up since, because another optimum was asked for.
+    pub has_dropped: bool,
 }
 
 /// A cone that was put somewhere.
@@ -180,7 +182,7 @@ pub fn edit_problem(surface: &Surface, error: &EditError) -> Problem {
 /// A cone that is not there.
 pub fn no_such_cone(cone: usize, count: usize) -> Problem {
     Problem::new(
-        format!("There is no cone {}: there are {count}.", cone + 1),
+        format!("There is no cone {}: there are {count}.", cone.saturating_add(1)),
         "In the change of a cone.",
         "Choose one of the cones in the table.",
     )

@@ -111,7 +111,7 @@ impl Session {
         let bring = |_: &mut Work| {
             let used = |cone| UsedCone { cone, kind: ConeKind::Fixed, members: 1 };
             let changed: Vec<UsedCone> = cones.into_iter().map(used).collect();
-            Ok(Edits { placed: Vec::new(), changed: Some(changed) })
+            Ok(Edits { changed: Some(changed), ..Edits::default() })
         };
         self.change_cones("bring cones", bring, events)
     }

@@ -39,8 +39,7 @@ impl Session {
         };
         self.remember(label, label);
         let work = self.cones_at_work()?;
-        work.cones.edits = edits;
-        work.cones.has_dropped = false;
+        work.cones.edits = Edits { has_dropped: false, ..edits };
         work.cones.comparison.clear();
         match set {
             Some(set) => {

@@ -59,8 +59,6 @@ pub struct Cones {
     pub is_held: bool,
     /// What is wanted once the solution is there.
     pub wanted: Wanted,
-    /// Whether changes by hand gave way to another optimum.
-    pub has_dropped: bool,
     /// How often cones were made anew.
     pub pictures: usize,
     /// Rounds of the present solution.
@@ -142,6 +140,11 @@ impl Cones {
         self.is_stale && !self.is_held
     }
 
+    /// Whether they are not the solution that was asked for, or a path is being sampled.
+    pub fn is_unsettled(&self) -> bool {
+        self.is_stale || !self.is_solved() || self.tracing.is_some()
+    }
+
     /// Solve as soon as there is time.
     pub fn ask_again(&mut self) {
         self.comparison.clear();
@@ -208,7 +211,7 @@ impl Cones {
     pub fn begin_again(&mut self) {
         let edits = std::mem::take(&mut self.edits);
         *self = Self {
-            edits: Edits { changed: None, ..edits },
+            edits: Edits { changed: None, has_dropped: false, ..edits },
             is_stale: true,
             is_held: true,
             ..Self::default()

@@ -31,7 +31,7 @@ impl Work {
         let state = self.cones.optimum.as_ref()?;
         let is_over = !self.cones.is_stale;
         let mut notes: Vec<String> = Vec::new();
-        if self.cones.has_dropped {
+        if self.cones.edits.has_dropped {
             let text = "These cones are the optimum again; Undo brings the changes by hand back.";
             notes.push(text.into());
         }
@@ -94,7 +94,9 @@ impl Work {
         if let Some(changed) = &self.cones.edits.changed {
             let has_free = changed.iter().any(|used| used.kind == ConeKind::Free);
             let fitted = match has_free {
-                true => " With the free ones, all angles that are not fixed were fitted to distort least.",
+                true => {
+                    " With the free ones, all angles that are not fixed were fitted to distort least."
+                }
                 false => "",
             };
             notes.push(format!(

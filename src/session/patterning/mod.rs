@@ -440,7 +440,11 @@ impl Session {
     ) -> Result<(), Problem> {
         self.is_pattern_shown = is_shown;
         if !is_shown {
-            self.stop_nesting();
+            if self.is_nesting() {
+                self.stop_nesting();
+                // Looking is no part of a project; its end is.
+                self.log.push(Entry::Do(Command::ShowPattern { is_shown }));
+            }
             return Ok(());
         }
         // Made of the cut at rest.

@@ -378,7 +378,11 @@ mod tests {
         let place = |stage: &mut Stage, x| {
             let (projection, viewport) =
                 (stage.projection(View::Surface), stage.viewport(View::Surface));
-            let css = super::super::super::cones::to_screen(Vec3::new(x, 0.5, 0.0), &projection, viewport);
+            let css = super::super::super::cones::to_screen(
+                Vec3::new(x, 0.5, 0.0),
+                &projection,
+                viewport,
+            );
             stage.pick(View::Surface, css.expect("in front")).map(|pick| pick.patch)
         };
         assert_eq!([place(&mut stage, -0.5), place(&mut stage, 0.5)], [Some(0), Some(1)]);

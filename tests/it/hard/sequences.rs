@@ -86,6 +86,19 @@ fn difference(before: &[(&'static str, u64)], session: &Session) -> String {
     differ.collect::<Vec<_>>().join(", ")
 }
 
+/// Parts that change where what was painted or asked for, and waited, is taken up.
+const FOLLOWING: &[&str] = &["flow", "history", "segments", "seams", "cones"];
+
+/// Those that may change by a command that is refused.
+fn following(was_behind: bool) -> &'static [&'static str] {
+    if was_behind { FOLLOWING } else { &[] }
+}
+
+/// The first part of a difference that may not be there.
+fn unexplained<'a>(difference: &'a str, may: &[&str]) -> Option<&'a str> {
+    difference.split(", ").find(|part| !part.is_empty() && !may.contains(part))
+}
+
 /// A report without what it cost: a solver that was at work before has less to do. Other files stay as they are.
 fn without_effort(file: Vec<u8>) -> Vec<u8> {
     fn drop_costs(value: &mut serde_json::Value) {
@@ -189,6 +202,10 @@ impl<'a> Sequence<'a> {
         // What was painted belongs to the flow once the stroke has ended.
         self.session.handle(Command::EndStroke);
         let was_comparing = self.session.is_comparing();
+        if tests_undo && !was_comparing {
+            self.take_up()?;
+        }
+        let was_behind = self.session.is_behind();
         let (before, depth) = (self.session.digests(), self.session.undo_depth());
         let events = self.session.handle(command.clone());
         counts.commands += 1;
@@ -201,12 +218,13 @@ impl<'a> Sequence<'a> {
         if is_refused(&events) {
             counts.refused += 1;
             let differ = difference(&before, &self.session);
-            if !differ.is_empty() && !travels {
-                return Err(format!("{name} was refused and changed: {differ}"));
-            }
-            return Ok(());
+            return match unexplained(&differ, following(was_behind)).filter(|_| !travels) {
+                Some(part) => Err(format!("{name} was refused and changed: {part}")),
+                None => Ok(()),
+            };
         }
         if tests_undo && !travels && self.session.undo_depth() == depth + 1 {
+            self.take_up()?;
             let after = self.session.digests();
             check_events(&self.session.handle(Command::Undo))?;
             let differ = difference(&before, &self.session);
@@ -221,6 +239,14 @@ impl<'a> Sequence<'a> {
             *counts.undone.entry(name).or_default() += 1;
         }
         Ok(())
+    }
+
+    /// Undo and Redo lead to where nothing waits.
+    fn take_up(&mut self) -> Result<(), String> {
+        match self.session.is_behind() {
+            true => check_events(&self.session.advance(&mut || false)),
+            false => Ok(()),
+        }
     }
 
     fn advance(&mut self, counts: &mut Counts) -> Result<(), String> {
@@ -253,7 +279,7 @@ impl<'a> Sequence<'a> {
     fn export(&mut self, counts: &mut Counts) -> Result<(), String> {
         let kind = self.kind();
         self.tell(format!("export {kind}"));
-        let before = self.session.digests();
+        let (before, was_behind) = (self.session.digests(), self.session.is_behind());
         match self.session.export(kind) {
             Ok(file) => {
                 counts.files += 1;
@@ -268,8 +294,9 @@ impl<'a> Sequence<'a> {
         }
         // What was painted or asked for and waited may be done for the file; the rest stays.
         let differ = difference(&before, &self.session);
-        let may = ["flow", "history", "segments", "seams"];
-        match differ.split(", ").find(|part| !part.is_empty() && !may.contains(part)) {
+        // So may a first cut.
+        let may = if was_behind { FOLLOWING } else { &["flow", "history", "segments", "seams"] };
+        match unexplained(&differ, may) {
             Some(part) => Err(format!("the export of {kind} changed {part}")),
             None => Ok(()),
         }
@@ -301,6 +328,7 @@ impl<'a> Sequence<'a> {
         let vertex = self.dice.below(count.max(1)) as f64;
         let own = self.session.export("Cut (JSON)").map(|file| file.bytes).unwrap_or_default();
         let cones = self.session.export("Cones (JSON)").map(|file| file.bytes).unwrap_or_default();
+        let (was_comparing, was_behind) = (self.session.is_comparing(), self.session.is_behind());
         let before = self.session.digests();
         let what = match self.dice.below(6) {
             0 => Brought::Layer { channel, values: &values },
@@ -316,10 +344,11 @@ impl<'a> Sequence<'a> {
         let is_refused =
             matches!(events.last_chunk::<2>(), Some([Event::Error { .. }, Event::Status { .. }]));
         let differ = difference(&before, &self.session);
-        if is_refused && !differ.is_empty() {
-            return Err(format!("what was brought was refused and changed: {differ}"));
+        // A comparison ends, and the document is back.
+        match unexplained(&differ, following(was_behind)).filter(|_| is_refused && !was_comparing) {
+            Some(part) => Err(format!("what was brought was refused and changed: {part}")),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// The project of all this gives the same files again.
