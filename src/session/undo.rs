@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use super::document::Document;
 use super::message::{ChangeName, Command, Event};
+use super::method::Method;
 use super::text::Problem;
 use super::work::{Snapshot, Work, start_flow};
 use super::{Entry, Session};
@@ -15,6 +16,12 @@ const DEPTH: usize = 40;
 const DOCUMENTS: usize = 3;
 
 impl Session {
+    /// Whether something goes on that Undo puts an end to.
+    fn is_at_work(&self) -> bool {
+        let asks_more = self.work.as_ref().is_some_and(|work| work.cones.asks_more());
+        self.is_running || self.is_nesting() || asks_more
+    }
+
     /// What waits, such as paint that a flow does not know yet, is taken up: Undo and Redo lead to nothing unfinished.
     fn take_up(&mut self) {
         if !self.is_behind() {
@@ -45,7 +52,7 @@ impl Session {
         }
         let mut snapshot = work.snapshot(label, kind);
         snapshot.log = self.log.clone();
-        snapshot.was_running = self.is_running || self.is_nesting();
+        snapshot.was_running = self.is_at_work();
         self.undo.push(snapshot);
         if self.undo.len() > DEPTH {
             self.undo.remove(0);
@@ -67,7 +74,7 @@ impl Session {
     /// where the way ends a cut is laid out.
     pub(super) fn travel(&mut self, changes: i32, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.take_up();
-        let is_at_work = self.is_running || self.is_nesting();
+        let is_at_work = self.is_at_work();
         let (from, to) = if changes < 0 {
             (&mut self.undo, &mut self.redo)
         } else {
@@ -96,6 +103,10 @@ impl Session {
         if target.was_folded {
             // Nor is anything folded.
             self.log.push(Entry::Do(Command::Unfold));
+        }
+        if target.method == Method::Cones {
+            // Cones are solved as soon as there is time, also where they were paused.
+            self.log.push(Entry::Do(Command::Run));
         }
         let allowances = target.seam_allowances;
         self.install(work, events);

@@ -139,6 +139,8 @@ pub struct CutFlow {
 #[derive(Clone, Debug)]
 pub struct Checkpoint {
     levels: LevelSets,
+    /// The length weight that acted: a schedule changes it at the beginning of a step.
+    length: f64,
     progress: Progress,
     status: Status,
     probe: Option<SavedProbe>,
@@ -429,6 +431,7 @@ impl CutFlow {
     pub fn checkpoint(&self) -> Checkpoint {
         Checkpoint {
             levels: self.state.levels.clone(),
+            length: self.weights.length,
             progress: self.progress.clone(),
             status: self.status,
             probe: self.probe.as_ref().map(Probe::save),
@@ -439,7 +442,7 @@ impl CutFlow {
 
     /// Goes back to a checkpoint of a flow on the same surface. Later steps repeat bit for bit.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), SolveError> {
-        self.weights = self.params.weights_at(checkpoint.progress.step);
+        self.weights = Weights { length: checkpoint.length, ..self.params.weights };
         self.symmetric = checkpoint.symmetric.clone();
         let probe = match &checkpoint.probe {
             Some(saved) => Some(saved.revive(self)?),

@@ -101,7 +101,8 @@ impl Session {
             events.extend(told);
         }
         if self.is_folded() {
-            self.unfold(events)?;
+            let told = self.do_again(Command::Unfold);
+            events.extend(told);
         }
         let work = self.work.as_ref().ok_or_else(nothing_open)?;
         let start = work.snapshot("", "");

@@ -140,6 +140,11 @@ impl Cones {
         self.is_stale && !self.is_held
     }
 
+    /// Whether a path is being sampled, or more than the solution is wanted.
+    pub fn asks_more(&self) -> bool {
+        self.tracing.is_some() || self.wanted != Wanted::Nothing
+    }
+
     /// Whether they are not the solution that was asked for, or a path is being sampled.
     pub fn is_unsettled(&self) -> bool {
         self.is_stale || !self.is_solved() || self.tracing.is_some()
