@@ -117,7 +117,7 @@ impl Session {
                 events.extend(self.work.as_ref().map(Work::measures));
             }
             (Effect::Finish, None) => {
-                work.is_settled = false;
+                work.finish_anew();
                 if !self.is_running {
                     self.settle(events);
                     events.push(Event::Scene);

@@ -90,11 +90,11 @@ impl Session {
             events.push(self.methods());
             return Ok(());
         }
-        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
+        self.remember(&format!("change to {}", method.label().to_lowercase()), "method");
+        if self.is_folded() {
             self.unfold(events)?;
         }
         self.is_running = false;
-        self.remember(&format!("change to {}", method.label().to_lowercase()), "method");
         let Some(work) = &mut self.work else { return Ok(()) };
         let field = work.change_method(method, &self.field);
         self.field = field.unwrap_or_else(|| method.first_field().into());

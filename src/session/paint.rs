@@ -208,7 +208,7 @@ impl Session {
         if begins || self.undo.last().is_none_or(|last| last.kind != "paint") {
             self.remember(&format!("paint {}", label.to_lowercase()), "paint");
         }
-        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
+        if self.is_folded() {
             self.unfold(events)?;
         }
         let channel = if channel == "seed" && pending == Pending::None { "" } else { channel };
@@ -298,6 +298,10 @@ impl Session {
         events: &mut Vec<Event>,
     ) {
         let Some(work) = &mut self.work else { return };
+        if work.layers.pin != layers.pin {
+            // Straightening leaves pinned places where they are.
+            work.finish_anew();
+        }
         work.layers = layers;
         work.pending = work.pending.max(pending);
         let has_start = match work.settings.text("init") {
@@ -342,11 +346,6 @@ impl Session {
 
     /// Brings the flow up to what was painted.
     pub(super) fn catch_up(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let Some(work) = &mut self.work else { return Ok(()) };
-        if work.method != Method::CutFlow && work.pending == Pending::Fields {
-            // The cut flow that stands aside acts on it too, as it does when Undo makes it anew.
-            work.tell_flow()?;
-        }
         if self.method() == Method::Cones {
             return self.cones_catch_up();
         }

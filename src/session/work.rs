@@ -239,6 +239,14 @@ impl Work {
         Ok(())
     }
 
+    /// Another method has heard of what was painted: the cut flow that stands aside hears of it too, as it does when Undo makes it anew.
+    pub fn tell_flow_aside(&mut self) -> Result<(), Problem> {
+        match std::mem::take(&mut self.pending) {
+            Pending::Fields => self.tell_flow(),
+            _ => Ok(()),
+        }
+    }
+
     fn vertex_count(&self) -> usize {
         self.document.surface.as_ref().map_or(0, |surface| surface.mesh.vertex_count())
     }
@@ -342,6 +350,9 @@ impl Work {
         self.given = None;
         self.flow = Some(flow);
         self.pending = Pending::None;
+        if let Some(shelf) = self.shelf.get_mut(&Method::CutFlow) {
+            shelf.is_settled = false;
+        }
         self.fold = None;
         self.stages = None;
         self.first_cut_is_due = false;
@@ -456,6 +467,12 @@ impl Work {
         }
         self.begin_refinement();
         Ok(())
+    }
+
+    /// Cuts are finished another way: what was laid out is laid out anew, also what other methods show.
+    pub fn finish_anew(&mut self) {
+        self.is_settled = false;
+        self.shelf.values_mut().for_each(|shelf| shelf.is_settled = false);
     }
 
     /// The flow has made another cut than the one that was given.

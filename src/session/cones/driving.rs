@@ -5,7 +5,7 @@ use super::super::layout::Layout;
 use super::super::message::{Event, Value};
 use super::super::method::Method;
 use super::super::text::{Problem, plural};
-use super::super::work::{Pending, Work};
+use super::super::work::Work;
 use super::super::{Session, nothing_open};
 use super::{ConeSet, Wanted, measures, problem};
 use crate::methods::flow::{Flow, Status};
@@ -212,7 +212,7 @@ impl Session {
     /// Brings the cones up to what was painted.
     pub(in super::super) fn cones_catch_up(&mut self) -> Result<(), Problem> {
         let Some(work) = &mut self.work else { return Ok(()) };
-        work.pending = Pending::None;
+        work.tell_flow_aside()?;
         let surface = work.document.surface()?;
         let fields = problem::fields(&work.settings, &work.layers, &work.cones.edits, surface);
         work.is_settled = false;

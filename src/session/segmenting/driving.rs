@@ -3,7 +3,7 @@
 use super::super::message::Event;
 use super::super::method::Method;
 use super::super::text::{Problem, plural};
-use super::super::work::{Pending, Work};
+use super::super::work::Work;
 use super::super::{Session, nothing_open};
 use crate::methods::flow::Status;
 
@@ -113,7 +113,7 @@ impl Session {
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        work.pending = Pending::None;
+        work.tell_flow_aside()?;
         let Some((segmentation, inputs)) = work.segmentation_mut()? else { return Ok(()) };
         if segmentation.prepare(&inputs)? {
             events.extend(segmentation.curve().iter().cloned());
