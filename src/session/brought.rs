@@ -64,6 +64,7 @@ impl Session {
     pub fn bring(&mut self, what: Brought) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.late);
         self.end_comparison(&mut events);
+        self.take_up();
         match self.bring_in(what, &mut events) {
             Ok(()) => self.log.push(Entry::Bring(Gift::of(&what))),
             Err(problem) => self.refuse(problem, &mut events),

@@ -168,6 +168,11 @@ impl Session {
             // What the command put an end to is at an end in a replay too, where the command itself is not done again.
             self.log.push(Entry::Do(Command::EndStroke));
         }
+        let goes_on_painting =
+            matches!(command, Command::Paint { .. } | Command::EndStroke | Command::Hold { .. });
+        if entry.is_some() && !goes_on_painting {
+            self.take_up();
+        }
         let result = match command {
             Command::EndStroke => Ok(()),
             Command::Hello => {

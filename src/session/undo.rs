@@ -23,7 +23,7 @@ impl Session {
     }
 
     /// What waits, such as paint that a flow does not know yet, is taken up: Undo and Redo lead to nothing unfinished.
-    fn take_up(&mut self) {
+    pub(super) fn take_up(&mut self) {
         if !self.is_behind() {
             return;
         }
@@ -99,14 +99,14 @@ impl Session {
         if target.was_running {
             // Nothing runs after Undo.
             self.log.push(Entry::Do(Command::Pause));
+            if target.method == Method::Cones {
+                // But cones are solved as soon as there is time.
+                self.log.push(Entry::Do(Command::Run));
+            }
         }
         if target.was_folded {
             // Nor is anything folded.
             self.log.push(Entry::Do(Command::Unfold));
-        }
-        if target.method == Method::Cones {
-            // Cones are solved as soon as there is time, also where they were paused.
-            self.log.push(Entry::Do(Command::Run));
         }
         let allowances = target.seam_allowances;
         self.install(work, events);
@@ -149,6 +149,7 @@ impl Work {
         self.cones.path = target.path.clone();
         self.cones.comparison.clone_from(&target.cone_comparison);
         self.cones.is_stale = true;
+        self.cones.is_held = target.were_cones_paused;
         self.phase.put_back(target.phase.clone());
         self.develop.put_back(target.develop.clone());
         self.layers = target.layers.clone();

@@ -119,6 +119,8 @@ pub(super) struct Snapshot {
     /// The path over λ, and cones compared with others: results of the document as it was.
     pub path: KnownPath,
     pub cone_comparison: Vec<ConeComparisonRow>,
+    /// Whether somebody had stopped their solver on its way.
+    pub were_cones_paused: bool,
     pub pending: Pending,
     pub symmetries: Option<Rc<Vec<Symmetry>>>,
     pub checkpoint: Option<Checkpoint>,
@@ -295,6 +297,7 @@ impl Work {
             edits: self.cones.edits.clone(),
             path: self.cones.path.clone(),
             cone_comparison: self.cones.comparison.clone(),
+            were_cones_paused: self.cones.is_stale && self.cones.is_held,
             pending: self.pending,
             symmetries: self.symmetries.clone(),
             checkpoint: self.flow.as_ref().map(CutFlow::checkpoint),

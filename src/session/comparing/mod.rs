@@ -243,10 +243,6 @@ impl Session {
             // It is shown flat.
             self.log.push(Entry::Do(Command::Unfold));
         }
-        if snapshot.method == Method::Cones {
-            // Cones are solved as soon as there is time, also where they were paused.
-            self.log.push(Entry::Do(Command::Run));
-        }
         let allowances = snapshot.seam_allowances;
         self.field = work.method.first_field().into();
         self.wanted_method = work.method;

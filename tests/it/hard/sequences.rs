@@ -226,6 +226,10 @@ impl<'a> Sequence<'a> {
         if tests_undo && !was_comparing {
             self.take_up()?;
         }
+        if name == "set_seam_allowance" {
+            // Seams are those of a cut at rest, and allowances of the cut before are gone then.
+            let _ = self.session.layout();
+        }
         let was_behind = waits(&self.session);
         let (before, depth) = (self.session.digests(), self.session.undo_depth());
         let events = self.session.handle(command.clone());
