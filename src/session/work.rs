@@ -353,7 +353,11 @@ impl Work {
         self.given = None;
         self.flow = Some(flow);
         self.pending = Pending::None;
-        if let Some(shelf) = self.shelf.get_mut(&Method::CutFlow) {
+        // Whatever seams there will be, they are others.
+        if self.method == Method::CutFlow {
+            self.seam_allowances.clear();
+        } else if let Some(shelf) = self.shelf.get_mut(&Method::CutFlow) {
+            shelf.seam_allowances.clear();
             shelf.is_settled = false;
         }
         self.fold = None;
@@ -556,7 +560,8 @@ impl Work {
                     color: colours[patch],
                     area_fraction: areas[patch] / total,
                     seam_length: seams[patch],
-                    rms_u: measures.map(|m| (m.hencky / m.area).sqrt()),
+                    // A piece without area has none.
+                    rms_u: measures.map(|m| (m.hencky / m.area).sqrt()).filter(|x| x.is_finite()),
                     flipped,
                     overlaps,
                     has_chart: measures.is_some(),
@@ -567,7 +572,8 @@ impl Work {
         let mm = self.mm_per_unit();
         let sheet = layout.packing.sheet;
         let charts = layout.measures.charts.iter().flatten();
-        let flat: f64 = charts.map(|m| m.area * (1.0 + m.area_change)).sum();
+        let flat: f64 =
+            charts.map(|m| m.area * (1.0 + m.area_change)).filter(|area| area.is_finite()).sum();
         let pattern = (sheet.x > 0.0).then(|| PatternSize {
             width: sheet.x * mm,
             height: sheet.y * mm,
