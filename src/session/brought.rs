@@ -21,6 +21,7 @@ use super::work::{Pending, start_flow};
 use super::{Entry, Session, nothing_open};
 use crate::geometry::visibility;
 use crate::mesh::VertexId;
+use crate::methods::cutflow::CutFlow;
 
 /// Something to bring, by the numbers and units of the file.
 #[derive(Clone, Copy, Debug)]
@@ -170,6 +171,7 @@ impl Session {
                 self.push_energy(events);
             }
             None => {
+                let before = work.flow.as_ref().map(CutFlow::checkpoint);
                 work.pending = work.pending.max(pending);
                 if let Err(problem) = self.catch_up(events) {
                     // What cannot be followed is not in force.
@@ -181,6 +183,10 @@ impl Session {
                         work.pending = was_pending;
                         // A cut flow that stands aside may know it already.
                         work.tell_flow()?;
+                        if let Some((flow, before)) = work.flow.as_mut().zip(before) {
+                            let name = &work.document.name;
+                            flow.restore(&before).map_err(|error| Problem::solve(name, &error))?;
+                        }
                     }
                     return Err(problem);
                 }
