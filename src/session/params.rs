@@ -436,4 +436,17 @@ mod tests {
         }
         assert_eq!(settings, before);
     }
+
+    #[test]
+    fn what_would_change_nothing_is_told_with_what_it_would_need() {
+        let mut settings = Settings::for_sample(None);
+        settings.set("init", Value::Text("plane".into())).expect("a start");
+        assert_eq!(settings.check_effect(Method::CutFlow, "offset"), Ok(()));
+        assert_eq!(settings.check_effect(Method::CutFlow, "hencky"), Ok(()));
+        let radius = settings.check_effect(Method::CutFlow, "radius").unwrap_err();
+        assert!(radius.what_to_do.contains("init be circle"), "{}", radius.what_to_do);
+        let other = settings.check_effect(Method::CutFlow, "lambda").unwrap_err();
+        assert!(other.what.contains("lambda"), "{}", other.what);
+        assert_eq!(settings.check_effect(Method::Cones, "lambda"), Ok(()));
+    }
 }

@@ -43,10 +43,11 @@ cargo xtask COMMAND
   dist  [--out DIR]           a static folder (default: dist) that works from any path of any static host
   bench [--quick] [--json FILE] [--only GROUP]
                               the figures, as ratios, natively and in wasm, and the sizes of the wasm files; or one
-                              group of native ones: memory, flow, growth, convergence, spheres, session, charts,
-                              phasefield, develop, patterns, import, stages
-  soak  [--executions N] [--sequences N] [--cycles N] [--seed S] [--sequence NUMBER] [--only degenerate|cycles|fuzzing|sequences]
-                              hard use for an hour or so long: commands in any order, damaged files, surfaces that
+                              group of native ones: memory, flow, growth, convergence, spheres, values, session,
+                              cones, charts, phasefield, develop, patterns, import, stages
+  soak  [--executions N] [--sequences N] [--cycles N] [--seed S] [--sequence NUMBER]
+        [--only degenerate|cycles|fuzzing|sequences]
+                              hard use for hours: commands in any order, damaged files, surfaces that
                               hardly are any, a thousand runs in one session; prints what was done and what was found
   help                        this text
 

@@ -456,3 +456,36 @@ fn commands_in_any_order_break_nothing() {
     println!("{counts:?}");
     assert!(counts.commands > 200 && counts.files > 5 && counts.replayed > 10, "{counts:?}");
 }
+
+/// Sequences of the long run that once found something, one for each fault.
+const FOUND: [u64; 20] = [
+    1_099_511_627_902,
+    1_099_511_627_914,
+    1_099_511_627_919,
+    1_099_511_627_972,
+    1_099_511_628_027,
+    1_099_511_628_042,
+    1_099_511_628_480,
+    1_099_511_628_517,
+    1_099_511_628_723,
+    1_099_511_628_787,
+    1_099_511_628_790,
+    2_199_023_256_118,
+    7_696_581_394_788,
+    8_796_093_022_536,
+    8_796_093_022_623,
+    8_796_093_022_888,
+    23_089_744_183_410,
+    23_089_744_183_558,
+    35_184_372_088_856,
+    35_184_372_088_878,
+];
+
+#[test]
+fn what_the_long_run_found_is_mended() {
+    let mut counts = Counts::default();
+    for seed in FOUND {
+        run(seed, 25, &mut counts).unwrap_or_else(|what| panic!("{what}"));
+    }
+    assert_eq!(counts.sequences, FOUND.len());
+}
