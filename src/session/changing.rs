@@ -97,12 +97,11 @@ impl Session {
         let Some(work) = &mut self.work else { return Ok(()) };
         match (effect, restarted) {
             (_, Some(flow)) => {
-                if self.is_segmenting() {
-                    // A preset may hold what concerns a segmentation as well.
-                    self.segment_prepare(events)?;
-                }
-                let Some(work) = &mut self.work else { return Ok(()) };
                 work.begin(flow);
+                if id.starts_with("preset ") {
+                    // It says how charts are made too.
+                    work.finish_anew();
+                }
                 self.push_energy(events);
                 self.settle(events);
                 events.push(Event::Scene);

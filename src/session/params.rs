@@ -98,9 +98,9 @@ impl Settings {
         self.values.insert(id, value);
     }
 
-    /// Takes a value over from other settings.
-    pub(super) fn copy(&mut self, id: &'static str, from: &Self) {
-        if let Some(value) = from.values.get(id) {
+    /// Takes all values over from other settings but those that are named.
+    pub(super) fn copy_unless(&mut self, is_own: impl Fn(&str) -> bool, from: &Self) {
+        for (id, value) in from.values.iter().filter(|(id, _)| !is_own(id)) {
             self.values.insert(id, value.clone());
         }
     }

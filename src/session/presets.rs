@@ -111,12 +111,13 @@ impl Preset {
         texts.chain(numbers).chain(self.switches.iter().map(|&(id, on)| (id, Value::Truth(on))))
     }
 
-    /// The settings of a document with this purpose.
+    /// The settings of a document with this purpose: those of other methods stay, and so do unit and size.
     fn settings(&self, old: &Settings) -> Settings {
         let mut settings = Settings::for_sample(None);
-        for id in ["unit", "size"] {
-            settings.copy(id, old);
-        }
+        let own = specs();
+        let is_own =
+            |id: &str| own.iter().any(|spec| spec.id == id) && !["unit", "size"].contains(&id);
+        settings.copy_unless(is_own, old);
         for (id, value) in self.values() {
             settings.put(id, value);
         }
@@ -189,6 +190,20 @@ mod tests {
             assert!(super::super::samples::generate(preset.sample).is_some(), "{}", preset.id);
             let Event::Presets { current, .. } = event(Some(&settings)) else { unreachable!() };
             assert_eq!(current.as_deref(), Some(preset.id));
+        }
+    }
+
+    #[test]
+    fn a_preset_leaves_the_parameters_of_other_methods_alone() {
+        let mut before = Settings::for_sample(None);
+        before.set("choose_by", Value::Text("count".into())).unwrap();
+        before.set("omega", Value::Number(2.0)).unwrap();
+        before.set("length", Value::Number(7.0)).unwrap();
+        for preset in PRESETS {
+            let after = before.with_preset(preset.id).unwrap();
+            assert_eq!(after.text("choose_by"), "count", "{}", preset.id);
+            assert_eq!(after.number("omega"), 2.0, "{}", preset.id);
+            assert_ne!(after.number("length"), 7.0, "{}", preset.id);
         }
     }
 }

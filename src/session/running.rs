@@ -7,6 +7,7 @@ use super::report::HistoryRow;
 use super::text::Problem;
 use super::work::{Work, energy_event, start_flow};
 use super::{Session, nothing_open};
+use crate::methods::cutflow::CutFlow;
 use crate::methods::flow::{Flow, Status};
 
 impl Session {
@@ -17,19 +18,20 @@ impl Session {
         if self.is_segmenting() {
             return self.segment_run(events);
         }
-        self.need_flow(events)?;
+        let first = self.first_flow()?;
         self.unmark(events);
-        if self.is_at_end() {
+        if first.is_none() && self.is_at_end() {
             events.push(self.status());
             return Ok(());
-        }
-        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
-            self.unfold(events)?;
         }
         if !self.is_running {
             let step = self.work.as_ref().map_or(0, Work::step);
             self.remember(&format!("run from step {step}"), "run");
         }
+        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
+            self.unfold(events)?;
+        }
+        self.begin_first(first, events);
         self.is_running = true;
         events.push(self.history_event());
         events.push(self.status());
@@ -64,7 +66,7 @@ impl Session {
         if self.is_segmenting() {
             return self.segment_step(events);
         }
-        self.need_flow(events)?;
+        let first = self.first_flow()?;
         self.unmark(events);
         self.is_running = false;
         let has_ended =
@@ -75,6 +77,7 @@ impl Session {
         }
         let step = self.work.as_ref().map_or(0, Work::step);
         self.remember(&format!("step {}", step + 1), "step");
+        self.begin_first(first, events);
         self.one_step(events)?;
         self.is_running = false;
         self.settle(events);
@@ -137,17 +140,18 @@ impl Session {
         })
     }
 
-    /// Sees to it that there is a cut to improve, or explains why there is none.
-    fn need_flow(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
-        let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        if work.flow.is_some() {
-            return Ok(());
+    /// The flow of a surface that has none yet, or why there is none. Undo of what comes leads back to the surface without it.
+    fn first_flow(&self) -> Result<Option<CutFlow>, Problem> {
+        let work = self.work.as_ref().ok_or_else(nothing_open)?;
+        work.flow.is_none().then(|| work.new_flow(None)).transpose()
+    }
+
+    fn begin_first(&mut self, first: Option<CutFlow>, events: &mut Vec<Event>) {
+        if let (Some(flow), Some(work)) = (first, &mut self.work) {
+            work.begin(flow);
+            self.push_energy(events);
+            self.settle(events);
         }
-        let flow = work.new_flow(None)?;
-        work.begin(flow);
-        self.push_energy(events);
-        self.settle(events);
-        Ok(())
     }
 
     pub(super) fn one_step(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {

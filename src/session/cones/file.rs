@@ -10,7 +10,7 @@ use super::super::surface::Surface;
 use super::super::text::Problem;
 use super::super::work::Work;
 use super::super::{Session, nothing_open};
-use super::edits::{Edits, Placed, too_large};
+use super::edits::{Edits, too_large};
 use super::report::ConeReport;
 use super::{ConeKind, UsedCone};
 use crate::mesh::VertexId;
@@ -127,16 +127,14 @@ impl Session {
             let surface = work.document.surface()?;
             let place = format!("Vertex {vertex}, cones by hand.");
             let vertex = used_vertex(surface, vertex, &place)?;
-            let mut edits = work.cones.edits.clone();
-            if edits.placed_at(vertex).is_some() {
+            if work.cones.edits.placed_at(vertex).is_some() {
                 return Err(Problem::new(
                     "There is a cone by hand there already.",
                     place,
                     "Name every vertex once.",
                 ));
             }
-            edits.place(Placed { vertex, angle });
-            Ok(edits)
+            work.with_cone(vertex, angle)
         };
         self.change_cones("add a cone", bring, events)
     }

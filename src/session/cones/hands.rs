@@ -66,19 +66,7 @@ impl Session {
     ) -> Result<(), Problem> {
         let add = |work: &mut Work| {
             let vertex = work.vertex_near(face, place)?;
-            let mut edits = work.cones.edits.clone();
-            match &mut edits.changed {
-                None => edits.place(Placed { vertex, angle }),
-                Some(changed) => {
-                    let kind = if angle.is_some() { ConeKind::Fixed } else { ConeKind::Free };
-                    *changed =
-                        work.edited(changed, vertex, kind, ConeEdit::Add { vertex, angle })?;
-                    if angle.is_none() {
-                        work.refit(changed)?;
-                    }
-                }
-            }
-            Ok(edits)
+            work.with_cone(vertex, angle)
         };
         self.change_cones("add a cone", add, events)
     }
@@ -183,6 +171,26 @@ impl Work {
     fn cone(&self, cone: usize) -> Result<UsedCone, Problem> {
         let cones = self.used_cones();
         cones.get(cone).cloned().ok_or_else(|| no_such_cone(cone, cones.len()))
+    }
+
+    /// The changes by hand with one cone more: a wish for the solver, or one of the cones that are used as they are.
+    pub(super) fn with_cone(
+        &mut self,
+        vertex: VertexId,
+        angle: Option<f64>,
+    ) -> Result<Edits, Problem> {
+        let mut edits = self.cones.edits.clone();
+        match &mut edits.changed {
+            None => edits.place(Placed { vertex, angle }),
+            Some(changed) => {
+                let kind = if angle.is_some() { ConeKind::Fixed } else { ConeKind::Free };
+                *changed = self.edited(changed, vertex, kind, ConeEdit::Add { vertex, angle })?;
+                if angle.is_none() {
+                    self.refit(changed)?;
+                }
+            }
+        }
+        Ok(edits)
     }
 
     /// All cones after one was changed by hand; those that were not fixed make up for it.

@@ -17,13 +17,13 @@ impl Session {
     pub(in super::super) fn segment_run(&mut self, events: &mut Vec<Event>) -> Result<(), Problem> {
         self.segment_prepare(events)?;
         self.unmark(events);
-        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
-            self.unfold(events)?;
-        }
         let has_more = self.segment_status() == Some(Status::Running);
         if has_more && !self.is_running {
             let step = self.work.as_ref().map_or(0, Work::step);
             self.remember(&format!("run from step {step}"), "run");
+        }
+        if self.work.as_ref().is_some_and(|work| work.fold.is_some()) {
+            self.unfold(events)?;
         }
         self.is_running = has_more;
         events.push(self.history_event());

@@ -458,7 +458,7 @@ fn commands_in_any_order_break_nothing() {
 }
 
 /// Sequences of the long run that once found something, one for each fault.
-const FOUND: [u64; 20] = [
+const FOUND: [u64; 25] = [
     1_099_511_627_902,
     1_099_511_627_914,
     1_099_511_627_919,
@@ -479,6 +479,11 @@ const FOUND: [u64; 20] = [
     23_089_744_183_558,
     35_184_372_088_856,
     35_184_372_088_878,
+    34_084_860_461_176,
+    34_084_860_461_290,
+    34_084_860_461_475,
+    35_184_372_088_931,
+    45_079_976_738_885,
 ];
 
 #[test]
