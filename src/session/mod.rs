@@ -161,7 +161,10 @@ impl Session {
             events.push(self.status());
         }
         if !matches!(command, Command::Paint { .. }) && !is_travel(&command) {
-            has_ended |= self.is_stroke_open();
+            if self.is_stroke_open() && !matches!(command, Command::EndStroke) {
+                // What it painted is taken up before the command is done.
+                self.log.push(Entry::Do(Command::EndStroke));
+            }
             self.end_stroke();
         }
         if has_ended && entry.is_none() {

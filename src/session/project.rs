@@ -48,6 +48,10 @@ pub(super) enum Entry {
     LayOutUvSeams,
     /// Steps of whatever was running.
     Steps(usize),
+    /// Rounds of the solver of cones, which had not come to its end. After Undo it needs others than in a replay: there may be fewer.
+    Rounds(usize),
+    /// Cones were solved and laid out, in however many rounds.
+    Solved,
     /// Everything that waited was brought to rest at once, for a file or a pattern.
     Settle,
 }
@@ -96,8 +100,9 @@ impl Gift {
 pub(super) struct Log {
     origin: Option<Rc<Origin>>,
     last: Option<Rc<Node>>,
-    /// Steps since the last entry.
+    /// Steps since the last entry, or rounds of the solver of cones since then and since the last step.
     steps: usize,
+    rounds: usize,
 }
 
 /// A document as it was opened.
@@ -125,7 +130,7 @@ impl Drop for Node {
 impl Log {
     pub fn new(document: Rc<Document>, method: Method, settings: Settings) -> Self {
         let origin = Origin { document, method, settings };
-        Self { origin: Some(Rc::new(origin)), last: None, steps: 0 }
+        Self { origin: Some(Rc::new(origin)), ..Self::default() }
     }
 
     /// One step of whatever is running.
@@ -138,17 +143,52 @@ impl Log {
         self.steps = self.steps.saturating_sub(1);
     }
 
-    pub fn push(&mut self, entry: Entry) {
+    /// The step that was made last was a round of the solver of cones.
+    pub fn round(&mut self) {
+        self.take_back_step();
+        let rounds = self.rounds + 1;
         if self.steps > 0 {
-            let steps = Entry::Steps(std::mem::take(&mut self.steps));
-            self.last = Some(Rc::new(Node { entry: steps, before: self.last.take() }));
+            self.close_steps();
+            self.rounds = 1;
+        } else {
+            self.rounds = rounds;
         }
+    }
+
+    /// The step that was made last has laid out cones, whose solver is at its end.
+    pub fn solved(&mut self) {
+        self.take_back_step();
+        self.rounds = 0;
+        self.push(Entry::Solved);
+    }
+
+    pub fn push(&mut self, entry: Entry) {
+        self.close_steps();
+        self.link(entry);
+    }
+
+    /// What is done from now on is apart from the steps before.
+    pub fn close_steps(&mut self) {
+        for entry in self.open_steps() {
+            self.link(entry);
+        }
+        (self.rounds, self.steps) = (0, 0);
+    }
+
+    fn link(&mut self, entry: Entry) {
         self.last = Some(Rc::new(Node { entry, before: self.last.take() }));
+    }
+
+    /// Entries of the rounds and steps since the last one. A step after a round belongs to what comes after the solution.
+    fn open_steps(&self) -> Vec<Entry> {
+        let rounds = (self.rounds > 0).then_some(Entry::Rounds(self.rounds));
+        let steps = (self.steps > 0).then_some(Entry::Steps(self.steps));
+        rounds.into_iter().chain(steps).collect()
     }
 
     /// Whether the same things were done, whatever has come to rest by itself since.
     pub fn is_same(&self, other: &Self) -> bool {
-        let is_one = match (&self.last, &other.last) {
+        let is_one = match (self.last_done(), other.last_done()) {
             (Some(own), Some(its)) => Rc::ptr_eq(own, its),
             (own, its) => own.is_none() && its.is_none(),
         };
@@ -156,11 +196,18 @@ impl Log {
         is_one && origins.is_some_and(|(own, its)| Rc::ptr_eq(own, its))
     }
 
-    fn entries(&self) -> Vec<Entry> {
-        let mut entries = Vec::new();
-        if self.steps > 0 {
-            entries.push(Entry::Steps(self.steps));
+    /// The last thing that was done, not what came to rest after it.
+    fn last_done(&self) -> Option<&Rc<Node>> {
+        let mut last = self.last.as_ref();
+        while let Some(node) = last.filter(|node| node.entry == Entry::Solved) {
+            last = node.before.as_ref();
         }
+        last
+    }
+
+    fn entries(&self) -> Vec<Entry> {
+        let mut entries = self.open_steps();
+        entries.reverse();
         let mut next = self.last.as_ref();
         while let Some(node) = next {
             entries.push(node.entry.clone());
@@ -240,7 +287,10 @@ impl Replay {
 
     /// What the status line says.
     pub fn status(&self) -> String {
-        let steps = |entry: &Entry| if let Entry::Steps(n) = entry { *n } else { 1 };
+        let steps = |entry: &Entry| match entry {
+            Entry::Steps(n) | Entry::Rounds(n) => *n,
+            _ => 1,
+        };
         // A file may say whatever it likes.
         let all = self.entries.iter().map(steps).fold(self.done, usize::saturating_add);
         format!("Loading {}: {} of {all} steps done again", self.name, self.done)
@@ -323,6 +373,18 @@ impl Session {
                 self.lay_out_uv_seams()?;
                 Vec::new()
             }
+            Entry::Rounds(count) => {
+                if self.are_cones_due() && self.step_again(events) && count > 1 {
+                    self.replay.entries.push_front(Entry::Rounds(count - 1));
+                }
+                Vec::new()
+            }
+            Entry::Solved => {
+                if self.are_cones_unsolved() && self.step_again(events) {
+                    self.replay.entries.push_front(Entry::Solved);
+                }
+                Vec::new()
+            }
             Entry::Settle => {
                 // Where it failed, what was asked for was refused; what came after was done all the same.
                 let _ = self.settled();
@@ -330,11 +392,7 @@ impl Session {
             }
             Entry::Steps(count) => {
                 if self.has_work() {
-                    self.log.step();
-                    if let Err(problem) = self.step_once(events) {
-                        // It failed when it was made, and what came after was done all the same.
-                        self.give_up(problem, events);
-                    }
+                    self.step_again(events);
                     if count > 1 {
                         self.replay.entries.push_front(Entry::Steps(count - 1));
                     }
@@ -350,6 +408,13 @@ impl Session {
             self.log.push(Entry::Do(Command::Pause));
         }
         Ok(())
+    }
+
+    /// One step. **Gives** whether it could be made.
+    fn step_again(&mut self, events: &mut Vec<Event>) -> bool {
+        self.log.step();
+        // Where it failed, it failed when it was made, and what came after was done all the same.
+        self.step_once(events).map_err(|problem| self.give_up(problem, events)).is_ok()
     }
 
     /// The bytes of the project.

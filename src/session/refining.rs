@@ -59,7 +59,8 @@ impl Refinement {
             (0..opened.mesh.vertex_count()).filter(is_pinned).filter_map(place).collect();
         flow.set_pins(&held)?;
         let before = flow.state().energy().distortion;
-        Ok(Some(Self { flow, energy, before, is_running: true }))
+        let is_running = flow.status() == Status::Running;
+        Ok(Some(Self { flow, energy, before, is_running }))
     }
 
     /// One step; the layout follows. What goes wrong ends the run, and the charts stay as they are, which the layout tells.
@@ -132,7 +133,16 @@ impl Work {
             && Charting::of(&self.settings).outline != Outline::TrueLength;
         let energy = if is_shaped { "none" } else { self.settings.text("refine") };
         match Refinement::begin(layout, energy, &self.layers.pin) {
-            Ok(refinement) => self.refinement = refinement,
+            Ok(refinement) => {
+                if let Some(refinement) = &refinement
+                    && refinement.is_over()
+                    && let Ok(surface) = self.document.surface()
+                {
+                    // There is nothing to even out, which the report says.
+                    refinement.show(surface, layout);
+                }
+                self.refinement = refinement;
+            }
             Err(error) => layout.tell(&untold(&error)),
         }
     }

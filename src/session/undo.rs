@@ -96,6 +96,7 @@ impl Session {
         }
         let target = passed;
         self.log = target.log;
+        self.log.close_steps();
         if target.was_running {
             // Nothing runs after Undo.
             self.log.push(Entry::Do(Command::Pause));

@@ -55,6 +55,9 @@ const MOST: usize = 1000;
 /// limit its vertices are too heavy for that.
 const TRIES: usize = 24;
 
+/// Angles that differ by less are the same where a place is chosen, radians.
+const GRAIN: f64 = 1e-9;
+
 /// Bound of |angle| of a cone: with 2π there is no angle left about it.
 const LIMIT: f64 = TAU * (1.0 - 1e-6);
 
@@ -140,6 +143,8 @@ fn steps(mesh: &Mesh, v: VertexId) -> impl Iterator<Item = (usize, VertexId)> + 
 /// Some cones and the distances between them.
 struct Cluster {
     weights: Vec<f64>,
+    /// The same in whole grains: places do not depend on the last digits, which differ from one way to the optimum to another.
+    masses: Vec<f64>,
     is_positive: bool,
     is_rim: bool,
     /// Along edges between members.
@@ -159,8 +164,10 @@ impl Cluster {
                     .collect()
             })
             .collect();
+        let weights: Vec<f64> = cones.iter().map(|c| c.angle.abs()).collect();
         Self {
-            weights: cones.iter().map(|c| c.angle.abs()).collect(),
+            masses: weights.iter().map(|w| (w / GRAIN).round()).collect(),
+            weights,
             is_positive: cones[0].angle > 0.0,
             is_rim: mesh.is_boundary_vertex(cones[0].vertex),
             distances: (0..cones.len()).map(|i| distances_from(i, &links)).collect(),
@@ -174,7 +181,7 @@ impl Cluster {
     /// The member of a part that is nearest to all of it in the mean of squares, the first of equals.
     fn centre(&self, part: &[usize]) -> usize {
         let spread = |&i: &usize| -> f64 {
-            part.iter().map(|&j| self.weights[j] * self.distances[i][j].powi(2)).sum()
+            part.iter().map(|&j| self.masses[j] * self.distances[i][j].powi(2)).sum()
         };
         part.iter().copied().min_by(|a, b| spread(a).total_cmp(&spread(b))).unwrap_or(0)
     }

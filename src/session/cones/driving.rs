@@ -30,6 +30,21 @@ impl Session {
         })
     }
 
+    /// Whether the solver has rounds to make.
+    pub(in super::super) fn are_cones_due(&self) -> bool {
+        let is_due = |work: &Work| {
+            work.method == Method::Cones && work.document.surface.is_some() && work.cones.is_due()
+        };
+        self.work.as_ref().is_some_and(is_due)
+    }
+
+    /// Whether it has, or the charts are not those of its cones.
+    pub(in super::super) fn are_cones_unsolved(&self) -> bool {
+        let work = self.work.as_ref();
+        self.are_cones_due()
+            || (self.cones_have_work() && work.is_some_and(|work| self.is_settling_due(work)))
+    }
+
     /// Whether charts are to be made. While a slider is held the next move comes soon, and would wait for them.
     fn is_settling_due(&self, work: &Work) -> bool {
         !work.is_settled && !self.is_held
@@ -40,7 +55,8 @@ impl Session {
         &mut self,
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
-        if self.work.as_ref().is_some_and(|work| work.cones.is_due()) {
+        if self.are_cones_due() {
+            self.log.round();
             return self.cones_round(events);
         }
         if self.work.as_ref().is_some_and(|work| self.is_settling_due(work)) {
@@ -49,6 +65,7 @@ impl Session {
             if let Some(work) = &mut self.work {
                 work.is_settled = true;
             }
+            self.log.solved();
             return Ok(());
         }
         let Some(work) = &mut self.work else { return Ok(()) };

@@ -182,10 +182,6 @@ impl Cones {
     pub fn keep_solver(&mut self, mut old: Self) {
         old.abandon_path();
         self.solver = old.solver;
-        if self.path.len() == 0 {
-            // It is forgotten with the next solution, if it is of another problem.
-            self.path = old.path;
-        }
         self.set = old.set;
         self.optimum = old.optimum;
     }

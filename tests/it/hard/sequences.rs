@@ -32,6 +32,9 @@ const MOST_STEPS: usize = 4;
 /// One in so many sequences is on surfaces of hundreds of triangles, one in so many replays compares all files.
 const RARELY: usize = 40;
 
+/// Characters of a project's log that a finding shows.
+const LOG_SHOWN: usize = 4000;
+
 /// Files whose charts are nested, which takes seconds.
 const NESTED: [&str; 7] = [
     "UV mesh (OBJ)",
@@ -379,13 +382,15 @@ impl<'a> Sequence<'a> {
     /// The project of all this gives the same files again.
     fn replay(&mut self, counts: &mut Counts) -> Result<(), String> {
         // Where a run goes on, a project pauses.
-        self.tell("replay".into());
         if self.session.is_comparing() {
             // Whatever is no part of a comparison ends it, and the document comes back.
             self.session.handle(Command::TracePath);
         }
         self.session.handle(Command::Pause);
         let Ok(project) = self.session.export("Project (JSON)") else { return Ok(()) };
+        let text = String::from_utf8_lossy(&project.bytes);
+        let log = text.find("\"log\"").map_or("", |at| &text[at..]);
+        self.tell(format!("replay {}", log.chars().take(LOG_SHOWN).collect::<String>()));
         let mut again = Session::new();
         check_events(&again.open("again.json", &project.bytes))?;
         // What is still due after the pause, such as paint that the flow does not know yet, comes to rest in both.
@@ -458,7 +463,7 @@ fn commands_in_any_order_break_nothing() {
 }
 
 /// Sequences of the long run that once found something, one for each fault.
-const FOUND: [u64; 25] = [
+const FOUND: [u64; 31] = [
     1_099_511_627_902,
     1_099_511_627_914,
     1_099_511_627_919,
@@ -484,6 +489,12 @@ const FOUND: [u64; 25] = [
     34_084_860_461_475,
     35_184_372_088_931,
     45_079_976_738_885,
+    56_075_093_017_404,
+    56_075_093_018_093,
+    56_075_093_018_388,
+    67_070_209_294_530,
+    68_169_720_922_381,
+    68_169_720_923_023,
 ];
 
 #[test]
