@@ -7,7 +7,7 @@ use super::super::method::Method;
 use super::super::text::{Problem, plural};
 use super::super::work::Work;
 use super::super::{Session, nothing_open};
-use super::{ConeSet, Wanted, measures, problem};
+use super::{ConeSet, Wanted, measures};
 use crate::methods::flow::{Flow, Status};
 
 /// Prices that the parameter takes.
@@ -230,8 +230,7 @@ impl Session {
     pub(in super::super) fn cones_catch_up(&mut self) -> Result<(), Problem> {
         let Some(work) = &mut self.work else { return Ok(()) };
         work.tell_flow_aside()?;
-        let surface = work.document.surface()?;
-        let fields = problem::fields(&work.settings, &work.layers, &work.cones.edits, surface);
+        let fields = work.cone_fields()?;
         work.is_settled = false;
         if work.cones.is_for(&fields) {
             // Only seams are concerned.

@@ -8,7 +8,7 @@ use super::super::{Session, nothing_open};
 use super::edits::{Edits, Placed, cone_problem, edit_problem, no_such_cone};
 use super::{ConeKind, UsedCone, measures, problem};
 use crate::mesh::VertexId;
-use crate::methods::cones::{Cone, ConeEdit, PlacedCone, debias, edit_cones};
+use crate::methods::cones::{Cone, ConeEdit, ConeFields, PlacedCone, debias, edit_cones};
 
 impl Session {
     /// Other cones by hand, tried before anything changes.
@@ -32,6 +32,11 @@ impl Session {
                 Some(set.map_err(|error| cone_problem(surface, &error))?)
             }
             None => {
+                if work.cones.flow().is_none() {
+                    // Undo led to another mesh. Where there can be no solver at all, the solution says why.
+                    let (settings, layers) = (work.settings.clone(), work.layers.clone());
+                    let _ = work.cones.prepare(&document, &settings, &layers);
+                }
                 let fields = problem::fields(&work.settings, &work.layers, &edits, surface);
                 work.cones.try_fields(surface, &fields)?;
                 None
@@ -43,7 +48,13 @@ impl Session {
         work.cones.comparison.clear();
         match set {
             Some(set) => {
-                work.cones.set = Some(set);
+                work.cones.put(set);
+                let fields = &work.cone_fields()?;
+                if !work.cones.is_for(fields) {
+                    // The optimum beside them is that without what was placed before.
+                    work.cones.ask_again();
+                    self.is_running = true;
+                }
                 self.after_cones_changed(events);
             }
             None => {
@@ -164,11 +175,24 @@ impl Work {
         Ok(Dab::new(surface, face, place, 1.0)?.nearest(surface))
     }
 
+    /// What the solver has to reckon with.
+    pub(super) fn cone_fields(&self) -> Result<ConeFields, Problem> {
+        let surface = self.document.surface()?;
+        Ok(problem::fields(&self.settings, &self.layers, &self.cones.edits, surface))
+    }
+
     fn used_cones(&self) -> Vec<UsedCone> {
         self.cones.set.as_ref().map_or_else(Vec::new, |set| set.cones.clone())
     }
 
     fn cone(&self, cone: usize) -> Result<UsedCone, Problem> {
+        if self.cones.is_set_passed {
+            return Err(Problem::new(
+                "The cones after Undo are not there yet.",
+                "In the change of a cone.",
+                "Change it once they are solved; press Run if the solver waits.",
+            ));
+        }
         let cones = self.used_cones();
         cones.get(cone).cloned().ok_or_else(|| no_such_cone(cone, cones.len()))
     }

@@ -45,6 +45,8 @@ pub struct Cones {
     pub edits: Edits,
     /// The cones as they are used; none before the first solution.
     pub set: Option<ConeSet>,
+    /// Whether these are shown only until those of the state that Undo led to are there.
+    pub is_set_passed: bool,
     /// The optimum over λ as far as it is known.
     pub path: KnownPath,
     /// The sampling of the path that is going on.
@@ -182,6 +184,7 @@ impl Cones {
     pub fn keep_solver(&mut self, mut old: Self) {
         old.abandon_path();
         self.solver = old.solver;
+        self.is_set_passed = old.set.is_some();
         self.set = old.set;
         self.optimum = old.optimum;
     }
@@ -287,6 +290,12 @@ impl Cones {
         Ok(!self.is_stale)
     }
 
+    /// These are the cones that are used.
+    pub fn put(&mut self, set: ConeSet) {
+        self.set = Some(set);
+        self.is_set_passed = false;
+    }
+
     /// Makes the cones that are used from the optimum, or from what was changed by hand.
     fn use_cones(&mut self, surface: &Surface, settings: &Settings) -> Result<(), Problem> {
         let Some(solver) = &mut self.solver else { return Ok(()) };
@@ -294,8 +303,9 @@ impl Cones {
             Some(cones) => measures::evaluated(&mut solver.flow, cones.clone()),
             None => measures::of_optimum(&mut solver.flow, settings, &self.edits, surface),
         };
-        self.set = Some(set.map_err(|error| cone_problem(surface, &error))?);
+        let set = set.map_err(|error| cone_problem(surface, &error))?;
         self.optimum = Some(solver.flow.state().clone());
+        self.put(set);
         self.pictures += 1;
         Ok(())
     }
