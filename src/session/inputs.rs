@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 use super::params::Settings;
 use super::regions::FaceSource;
 use super::surface::Surface;
-use super::symmetric::Kept;
+use super::symmetric::{Kept, KeptByPatches};
 use super::text::Problem;
 use crate::mesh::VertexId;
 use crate::methods::cutflow::{CutFields, Initial, Source};
@@ -41,6 +41,8 @@ pub struct Layers {
     pub handed: Option<Rc<Initial>>,
     /// Symmetries that the cut keeps.
     pub symmetry: Rc<Kept>,
+    /// The symmetry that developable patches keep.
+    pub patch_symmetry: Rc<KeptByPatches>,
 }
 
 /// The initial cut that parameters and layers ask for.

@@ -125,6 +125,7 @@ impl Session {
         events.push(self.parameters());
         events.push(self.presets());
         events.push(self.paint_channels());
+        events.push(self.symmetries());
         events.push(self.fields());
         self.push_energy(events);
         events.extend(self.cones_event());

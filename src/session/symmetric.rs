@@ -1,14 +1,17 @@
-//! Symmetries of the surface: finding them, choosing some, keeping the cut symmetric.
+//! Symmetries of the surface: finding them, choosing some, keeping the cut symmetric, or developable patches.
 
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::inputs::Layers;
 use super::message::{Event, SymmetryChoice};
+use super::method::Method;
 use super::text::Problem;
+use super::work::Work;
 use super::{Session, nothing_open};
-use crate::geometry::{
-    Symmetry, SymmetryError, SymmetryKind, SymmetryMap, find_symmetries, symmetry_group,
-};
+use crate::flatten::merging::maps_triangles;
+use crate::geometry::{Symmetry, SymmetryKind, SymmetryMap, find_symmetries, symmetry_group};
+use crate::mesh::VertexId;
 
 /// Largest deviation that still counts as symmetric, as a fraction of the size: a model that was made by hand.
 const TOLERANCE: f64 = 0.02;
@@ -23,6 +26,15 @@ pub struct Kept {
     pub ids: Vec<String>,
     /// The group that they make, without the identity.
     pub maps: Arc<Vec<SymmetryMap>>,
+}
+
+/// The symmetry that developable patches keep: a mirror plane or an axis of two, by which triangles go to triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KeptByPatches {
+    /// Its identifier, if there is one.
+    pub ids: Vec<String>,
+    /// Where each vertex goes; empty without one.
+    pub vertices: Vec<VertexId>,
 }
 
 impl Session {
@@ -48,19 +60,26 @@ impl Session {
 
     pub(super) fn symmetries(&self) -> Event {
         let found = self.work.as_ref().and_then(|work| work.symmetries.clone());
-        let kept = self.work.as_ref().map(|work| work.layers.symmetry.clone()).unwrap_or_default();
+        let kept = self.work.as_ref().map_or(&[][..], Work::kept_symmetries);
+        let is_for_patches = self.method() == Method::Developable;
         let options = named(found.as_deref().map_or(&[], Vec::as_slice))
+            .filter(|(.., symmetry)| !is_for_patches || is_of_order_two(symmetry))
             .map(|(id, label, symmetry)| SymmetryChoice {
-                on: kept.ids.contains(&id),
+                on: kept.contains(&id),
                 deviation: symmetry.deviation,
                 id,
                 label,
             })
             .collect();
-        Event::Symmetries { is_searched: found.is_some(), options }
+        Event::Symmetries {
+            is_offered: is_for_patches || self.method() == Method::CutFlow,
+            is_single: is_for_patches,
+            is_searched: found.is_some(),
+            options,
+        }
     }
 
-    /// Keeps the cut symmetric from a new start on.
+    /// Keeps the cut symmetric from a new start on, or developable patches.
     pub(super) fn set_symmetry(
         &mut self,
         ids: &[String],
@@ -68,15 +87,55 @@ impl Session {
     ) -> Result<(), Problem> {
         self.find_symmetries(events)?;
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        let surface = work.document.surface()?;
-        let found = work.symmetries.clone().unwrap_or_default();
+        match work.method {
+            Method::CutFlow => {
+                let kept = work.kept_by_cut(ids)?;
+                let layers = Layers { symmetry: Rc::new(kept), ..work.layers.clone() };
+                self.restart_with(layers, "change symmetry", events)?;
+            }
+            Method::Developable => {
+                let kept = work.kept_by_patches(ids)?;
+                self.remember("change symmetry", "change symmetry");
+                if let Some(work) = &mut self.work {
+                    work.layers.patch_symmetry = Rc::new(kept);
+                }
+                self.segment_follow(events)?;
+                events.push(self.history_event());
+                events.push(self.status());
+            }
+            method => {
+                return Err(Problem::new(
+                    format!("{} keeps no symmetries.", method.label()),
+                    "In the choice of symmetries.",
+                    "Choose the method Cut flow or Developable patches first.",
+                ));
+            }
+        }
+        events.push(self.symmetries());
+        Ok(())
+    }
+}
+
+impl Work {
+    /// Identifiers of the symmetries that the method at work keeps.
+    pub(super) fn kept_symmetries(&self) -> &[String] {
+        match self.method {
+            Method::CutFlow => &self.layers.symmetry.ids,
+            Method::Developable => &self.layers.patch_symmetry.ids,
+            _ => &[],
+        }
+    }
+
+    /// The group that some symmetries make.
+    fn group_of(&self, ids: &[String]) -> Result<Vec<SymmetryMap>, Problem> {
+        let surface = self.document.surface()?;
+        let found = self.symmetries.clone().unwrap_or_default();
         let mut chosen = Vec::new();
         for id in ids {
             let Some((.., symmetry)) = named(&found).find(|(known, ..)| known == id) else {
                 let known: Vec<String> = named(&found).map(|(id, ..)| id).collect();
-                return Err(Problem::new(
+                return Err(self.refused(
                     format!("The surface has no symmetry “{id}”."),
-                    format!("{}, symmetry.", work.document.name),
                     match known.is_empty() {
                         true => "None was found: run without.".to_owned(),
                         false => format!("Choose from {}.", known.join(", ")),
@@ -85,18 +144,59 @@ impl Session {
             };
             chosen.push(*symmetry);
         }
-        let maps = if chosen.is_empty() {
-            Vec::new()
-        } else {
-            symmetry_group(&surface.mesh, &surface.geometry, &chosen, MOST)
-                .map_err(|error| refused(&work.document.name, &error))?
-        };
-        let mut layers = work.layers.clone();
-        layers.symmetry = Rc::new(Kept { ids: ids.to_vec(), maps: Arc::new(maps) });
-        self.restart_with(layers, "change symmetry", events)?;
-        events.push(self.symmetries());
-        Ok(())
+        if chosen.is_empty() {
+            return Ok(Vec::new());
+        }
+        symmetry_group(&surface.mesh, &surface.geometry, &chosen, MOST).map_err(|error| {
+            let what = format!("These symmetries do not go together: {error}.");
+            self.refused(what, "Choose fewer of them.")
+        })
     }
+
+    fn kept_by_cut(&self, ids: &[String]) -> Result<Kept, Problem> {
+        Ok(Kept { ids: ids.to_vec(), maps: Arc::new(self.group_of(ids)?) })
+    }
+
+    fn kept_by_patches(&self, ids: &[String]) -> Result<KeptByPatches, Problem> {
+        if ids.len() > 1 {
+            return Err(self.refused(
+                "Developable patches keep one symmetry at a time.",
+                "Choose one mirror plane, or one axis of two.",
+            ));
+        }
+        let group = self.group_of(ids)?;
+        let [map] = &group[..] else {
+            return match group.is_empty() {
+                true => Ok(KeptByPatches::default()),
+                false => Err(self.refused(
+                    "Developable patches keep mirror planes and axes of two, no other axes.",
+                    "Choose one of those.",
+                )),
+            };
+        };
+        let mesh = &self.document.surface()?.mesh;
+        // Where the image is a vertex, one of the weights is 1.
+        let nearest = |v| {
+            let (corners, weights) = map.image(v);
+            corners[(0..3).max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or(0)]
+        };
+        let vertices: Vec<VertexId> = mesh.vertices().map(nearest).collect();
+        if !maps_triangles(mesh, &vertices) {
+            return Err(self.refused(
+                "The surface is symmetric, but its triangles are not: pieces are made of triangles.",
+                "Choose a mesh whose triangles have images too, or join pieces and keep them apart by hand.",
+            ));
+        }
+        Ok(KeptByPatches { ids: ids.to_vec(), vertices })
+    }
+
+    fn refused(&self, what: impl Into<String>, advice: impl Into<String>) -> Problem {
+        Problem::new(what, format!("{}, symmetry.", self.document.name), advice)
+    }
+}
+
+fn is_of_order_two(symmetry: &Symmetry) -> bool {
+    matches!(symmetry.kind, SymmetryKind::Mirror | SymmetryKind::Rotation { order: 2 })
 }
 
 /// Identifiers and names: mirrors and axes are counted by themselves.
@@ -117,12 +217,4 @@ fn named(found: &[Symmetry]) -> impl Iterator<Item = (String, String, &Symmetry)
         };
         (id, label, symmetry)
     })
-}
-
-fn refused(name: &str, error: &SymmetryError) -> Problem {
-    Problem::new(
-        format!("These symmetries do not go together: {error}."),
-        format!("{name}, symmetry."),
-        "Choose fewer of them.",
-    )
 }

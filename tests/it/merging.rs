@@ -1,14 +1,18 @@
 //! Merging into quasi-developable patches: valid at any moment, within the limits, as the user wishes, the same every time.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use cutflow::flatten::merging::{
     AreaMeasure, MergeFlow, MergeParams, MergePhase, MergeState, MergeStrategy, MergeWishes,
-    ParamsChange,
+    ParamsChange, maps_triangles,
 };
 use cutflow::flatten::{measure, validate};
+use cutflow::mesh::{EdgeId, VertexId};
 use cutflow::methods::cutflow::{Initial, initial_labels};
 use cutflow::methods::flow::{Flow, SolveError, Status};
+
+use nalgebra::Point3;
 
 use crate::surfaces::Surface;
 
@@ -189,6 +193,47 @@ fn wishes_are_kept() {
     assert!(one || !flow.state().refused.is_empty());
     assert_valid(&flow);
     assert_flat(&flow);
+}
+
+#[test]
+fn cuts_keep_a_mirror_plane_edge_by_edge() {
+    let (surface, labels) = small_surface();
+    let mesh = &surface.mesh;
+    let places = &surface.geometry.positions;
+    let image = |v: VertexId| {
+        let p = places[v.index()];
+        let far = |w: &VertexId| (places[w.index()] - Point3::new(-p.x, p.y, p.z)).norm();
+        mesh.vertices().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap()
+    };
+    let vertices: Vec<VertexId> = mesh.vertices().map(image).collect();
+    assert!(maps_triangles(mesh, &vertices));
+    let unmatched = |flow: &MergeFlow| {
+        let ends = |&e: &EdgeId| mesh.edge_vertices(e);
+        let cut: BTreeSet<[VertexId; 2]> = flow.state().cut_edges.iter().map(ends).collect();
+        let is_cut = |[a, b]: [VertexId; 2]| cut.contains(&[a, b]) || cut.contains(&[b, a]);
+        cut.iter().filter(|pair| !is_cut(pair.map(|v| vertices[v.index()]))).count()
+    };
+    for strategy in [MergeStrategy::BestFirst, MergeStrategy::Paper] {
+        let params = MergeParams { strategy, ..MergeParams::default() };
+        let mut free = begin(&surface, &labels, params, MergeWishes::default());
+        run(&mut free);
+        assert!(unmatched(&free) > 0, "nothing to see");
+        let symmetry = Some(vertices.clone());
+        let wishes = MergeWishes { symmetry, ..MergeWishes::default() };
+        let mut flow = begin(&surface, &labels, params, wishes);
+        let first = flow.state().patches.len();
+        while flow.status() == Status::Running {
+            flow.step().unwrap();
+            assert_eq!(unmatched(&flow), 0);
+        }
+        assert!(flow.state().patches.len() < first, "{first} and nothing merged");
+        assert_valid(&flow);
+        assert_flat(&flow);
+    }
+    // Another order of the vertices is no symmetry.
+    let mut wrong = vertices.clone();
+    wrong.rotate_left(1);
+    assert!(!maps_triangles(mesh, &wrong));
 }
 
 #[test]

@@ -336,3 +336,99 @@ fn a_mesh_that_is_too_coarse_for_an_interface_says_so_and_stays_usable() {
     run(&mut session);
     assert_eq!(session.develop_report(None).unwrap().flattening.totals.flipped, 0);
 }
+
+/// Edges of the cut whose images in a plane x = const are none, and all of them.
+fn unmatched(session: &mut Session) -> (usize, usize) {
+    let text = session.export("Cut curves (OBJ)").unwrap().bytes;
+    let text = String::from_utf8(text).unwrap();
+    let numbers = |line: &str| -> Vec<f64> {
+        line.split_whitespace().skip(1).map(|word| word.parse().unwrap()).collect()
+    };
+    let points: Vec<Vec<f64>> = text.lines().filter(|l| l.starts_with("v ")).map(numbers).collect();
+    let middle = |pair: &[f64]| -> [f64; 3] {
+        let [a, b] = [pair[0], pair[1]].map(|i| &points[i as usize - 1]);
+        [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]))
+    };
+    let lines = text.lines().filter(|line| line.starts_with("l "));
+    let middles: Vec<[f64; 3]> =
+        lines.flat_map(|line| numbers(line).windows(2).map(middle).collect::<Vec<_>>()).collect();
+    let has_no_image = |m: &&[f64; 3]| {
+        let near = |other: &[f64; 3]| {
+            (other[0] + m[0]).abs() + (other[1] - m[1]).abs() + (other[2] - m[2]).abs() < 1e-4
+        };
+        !middles.iter().any(near)
+    };
+    (middles.iter().filter(has_no_image).count(), middles.len())
+}
+
+#[test]
+fn patches_of_a_chair_are_the_same_left_and_right_where_that_is_asked_for() {
+    let mut session = open("developable", "armchair", &[]);
+    run(&mut session);
+    let (free, _) = unmatched(&mut session);
+    assert!(free > 20, "nothing to see: {free}");
+    let events = session.handle(Command::FindSymmetries);
+    let offered = |events: &[Event]| {
+        let told = events.iter().rev().find_map(|event| match event {
+            Event::Symmetries { options, is_offered: true, is_single: true, .. } => {
+                Some(options.iter().map(|c| (c.id.clone(), c.on)).collect::<Vec<_>>())
+            }
+            _ => None,
+        });
+        told.unwrap()
+    };
+    assert_eq!(offered(&events), [("mirror-1".to_owned(), false)]);
+    let choose = |session: &mut Session, ids: &[&str]| {
+        let ids = ids.iter().map(|&id| id.to_owned()).collect();
+        session.handle(Command::SetSymmetry { ids })
+    };
+    let mut events = choose(&mut session, &["mirror-1"]);
+    assert_eq!(offered(&events), [("mirror-1".to_owned(), true)]);
+    assert!(session.is_running(), "it merges anew");
+    go_on(&mut session, &mut events);
+    let (wrong, all) = unmatched(&mut session);
+    // A ring about the chair, its own image, is opened on one side.
+    assert!(wrong < all / 50 && wrong < free / 4, "{wrong} of {all}, {free} before");
+    let report = session.develop_report(None).unwrap();
+    assert_eq!(report.symmetry, ["mirror-1"]);
+    assert!(report.patches.iter().all(|patch| !patch.overlap));
+    assert_eq!(report.flattening.totals.flipped, 0);
+
+    // The project has it, Undo takes it back, and other methods have symmetries of their own.
+    let project = session.export("Project (JSON)").unwrap().bytes;
+    let mut again = Session::new();
+    let mut events = again.open("again.json", &project);
+    go_on(&mut again, &mut events);
+    assert_eq!(unmatched(&mut again), (wrong, all));
+    assert_eq!(errors(&choose(&mut session, &["mirror-1", "mirror-1"])).len(), 1);
+    assert_eq!(errors(&choose(&mut session, &["mirror-9"])).len(), 1);
+    let events = session.handle(Command::Undo);
+    assert_eq!(offered(&events), [("mirror-1".to_owned(), false)]);
+    session.handle(Command::SetMethod { id: "cones".into() });
+    assert_eq!(errors(&choose(&mut session, &["mirror-1"])).len(), 1);
+}
+
+#[test]
+fn a_surface_that_is_symmetric_with_triangles_that_are_not_says_so() {
+    // A cube; the diagonal of its left side is not the image of that of its right side, and so with the others.
+    let cube = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n\
+        f 1 5 7\nf 1 7 3\nf 2 4 6\nf 4 8 6\nf 1 2 6\nf 1 6 5\nf 3 7 4\nf 7 8 4\nf 1 3 4\nf 1 4 2\nf 5 6 7\nf 6 8 7\n";
+    let mut session = Session::new();
+    session.handle(Command::SetMethod { id: "developable".into() });
+    let events = session.open("cube.obj", cube.as_bytes());
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    session.handle(Command::FindSymmetries);
+    let before = session.digest();
+    let mut refused = 0;
+    for choice in session.symmetry_choices() {
+        let told = errors(&session.handle(Command::SetSymmetry { ids: vec![choice.id] }));
+        if told.is_empty() {
+            session.handle(Command::Undo);
+        } else {
+            assert!(told[0].contains("its triangles are not"), "{told:?}");
+            refused += 1;
+        }
+        assert_eq!(session.digest(), before);
+    }
+    assert!(refused > 0);
+}

@@ -541,7 +541,7 @@ fn asymmetry(session: &Session, pick: &dyn Fn(usize) -> bool) -> (usize, usize) 
 
 fn choices(events: &[Event]) -> Vec<SymmetryChoice> {
     let mut told = events.iter().rev().filter_map(|event| match event {
-        Event::Symmetries { options, is_searched: true } => Some(options.clone()),
+        Event::Symmetries { options, is_searched: true, .. } => Some(options.clone()),
         _ => None,
     });
     told.next().unwrap()

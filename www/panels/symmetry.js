@@ -3,7 +3,7 @@
 import { h, write } from "../dom.js";
 import { percent } from "../format.js";
 
-/** `on.find()` searches, `on.choose(ids)` says which of them the cut is to have; both resolve when answered. */
+/** `on.find()` searches, `on.choose(ids)` says which of them cut or pieces are to have; both resolve when answered. */
 export function symmetryPanel(on) {
   const line = h("p", { class: "fine", "aria-live": "polite" });
   const button = h("button", { class: "act", onclick: find }, "Find symmetries");
@@ -12,6 +12,7 @@ export function symmetryPanel(on) {
   let boxes = new Map();
   let fingerprint = "";
   let isSearching = false;
+  let isSingle = false;
 
   async function find() {
     isSearching = true;
@@ -29,23 +30,37 @@ export function symmetryPanel(on) {
     if (document.activeElement === document.body) button.focus({ preventScroll: true });
   }
 
+  /** Where there is one at a time, the one that was ticked last. */
+  function chosen(last) {
+    const ticked = [...boxes].filter(([, box]) => box.checked).map(([id]) => id);
+    return isSingle ? ticked.filter((id) => id === last) : ticked;
+  }
+
   function row({ id, label, deviation }) {
-    const box = h("input", { type: "checkbox", onchange: () => on.choose([...boxes].filter(([, other]) => other.checked).map(([key]) => key)) });
+    const box = h("input", { type: "checkbox", onchange: () => on.choose(chosen(id)) });
     boxes.set(id, box);
     const title = `The surface differs from its image by up to ${percent(deviation)} of its size.`;
     return h("li", {}, h("label", { title }, box, h("span", {}, label), h("span", { class: "muted" }, `off by ${percent(deviation)}`)));
   }
 
-  function sentence({ is_searched: isSearched, options }) {
-    if (!isSearched) return "Mirror planes and axes of the surface, which the cut can be made to have too.";
-    if (options.length === 0) return "None found: no mirror plane or axis takes this surface to itself.";
-    return "The cut is made to have those that are ticked.";
+  function sentence({ is_searched: isSearched, is_single: isForPieces, options }) {
+    if (!isSearched) {
+      return isForPieces
+        ? "Mirror planes and axes of two of the surface: pieces can be merged in both images or in neither."
+        : "Mirror planes and axes of the surface, which the cut can be made to have too.";
+    }
+    if (options.length === 0) {
+      const axis = isForPieces ? "axis of two" : "axis";
+      return `None found: no mirror plane or ${axis} takes this surface to itself.`;
+    }
+    return isForPieces ? "Pieces are merged in both images of the one that is ticked, or in neither." : "The cut is made to have those that are ticked.";
   }
 
   return {
     node,
     /** Takes a `symmetries` event. */
     show(event) {
+      isSingle = event.is_single;
       const print = JSON.stringify(event.options.map(({ id, label, deviation }) => [id, label, deviation]));
       if (print !== fingerprint) {
         fingerprint = print;
@@ -55,7 +70,7 @@ export function symmetryPanel(on) {
       for (const { id, on: isOn } of event.options) boxes.get(id).checked = isOn;
       list.hidden = event.options.length === 0;
       write(line, sentence(event));
-      node.hidden = false;
+      node.hidden = !event.is_offered;
       if (!isSearching) write(button, boxes.size > 0 ? "Search again" : "Find symmetries");
     },
     /** Whoever waits for a lost engine waits no longer. */

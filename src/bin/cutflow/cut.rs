@@ -308,21 +308,27 @@ fn bring(session: &mut Session, args: &CutArgs) -> Result<(), Problem> {
         tell(session.bring(Brought::Cut { name: init, bytes: &read(Path::new(init))? }))?;
     }
     bring_layers(session, &args.paint, &args.hide_from)?;
-    if !args.symmetry.is_empty() {
-        tell(session.handle(Command::FindSymmetries))?;
-        let found = session.symmetry_choices();
-        if args.symmetry.iter().any(|id| id == "list") {
-            for choice in &found {
-                say!("{}  {}  deviation {:.2e}", choice.id, choice.label, choice.deviation);
-            }
-        }
-        let ids = match args.symmetry.iter().any(|id| id == "all") {
-            true => found.into_iter().map(|choice| choice.id).collect(),
-            false => args.symmetry.iter().filter(|id| *id != "list").cloned().collect(),
-        };
-        tell(session.handle(Command::SetSymmetry { ids }))?;
+    keep_symmetries(session, &args.symmetry)
+}
+
+/// Keeps what the surface is found to have: `all`, or by identifiers; `list` names them.
+pub fn keep_symmetries(session: &mut Session, ids: &[String]) -> Result<(), Problem> {
+    if ids.is_empty() {
+        return Ok(());
     }
-    Ok(())
+    tell(session.handle(Command::FindSymmetries))?;
+    let found = session.symmetry_choices();
+    if ids.iter().any(|id| id == "list") {
+        for choice in &found {
+            say!("{}  {}  deviation {:.2e}", choice.id, choice.label, choice.deviation);
+        }
+        return Ok(());
+    }
+    let ids = match ids.iter().any(|id| id == "all") {
+        true => found.into_iter().map(|choice| choice.id).collect(),
+        false => ids.to_vec(),
+    };
+    tell(session.handle(Command::SetSymmetry { ids }))
 }
 
 /// Whether a command line asks for the list of parameters: that needs no mesh, which the parser would insist on.

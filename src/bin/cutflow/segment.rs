@@ -8,7 +8,7 @@ use cutflow::session::{
     Session, Settings, Value, settings_for,
 };
 
-use super::cut::{bring_layers, set_others};
+use super::cut::{bring_layers, keep_symmetries, set_others};
 use super::{
     MeshArgs, Report, clock, make_folder, open, print_flattening, tell, warn_of_charts, write_cut,
     write_json, writes_to_stdout,
@@ -106,6 +106,9 @@ pub struct DevelopArgs {
     /// Leaves the borders of first pieces as they are.
     #[arg(long)]
     no_min_cut: bool,
+    /// Merges pieces in both images of a symmetry or in neither: mirror-1, axis2-1 … as `--symmetry list` names them.
+    #[arg(long, value_name = "ID")]
+    symmetry: Option<String>,
     #[command(flatten)]
     common: Common,
 }
@@ -305,6 +308,11 @@ pub fn develop(args: &DevelopArgs) -> Result<(), Problem> {
         ("min_cut", args.no_min_cut.then_some(Value::Truth(false))),
     ];
     let mut session = begin(Method::Developable, &args.mesh, &options, &args.common)?;
+    let symmetry: Vec<String> = args.symmetry.iter().cloned().collect();
+    keep_symmetries(&mut session, &symmetry)?;
+    if symmetry == ["list"] {
+        return Ok(());
+    }
     let is_quiet = writes_to_stdout(&args.common.report);
     tell(session.handle(Command::Run))?;
     let mut seconds = DevelopSeconds::default();

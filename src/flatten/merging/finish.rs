@@ -3,12 +3,13 @@
 use nalgebra::Point2;
 
 use super::flow::{Member, MergeFlow};
+use super::mirror::same_edges;
 use super::state::MergePhase;
-use super::trial::{Limits, Map};
+use super::trial::Map;
 use crate::flatten::disks::log_scales;
 use crate::flatten::fixed::Interior;
 use crate::flatten::lpfb::lpfb_with;
-use crate::flatten::{Flattening, NoChart, measure, rims};
+use crate::flatten::{Flattening, NoChart, measure, rims, small};
 use crate::geometry::Geometry;
 use crate::mesh::{CutMesh, EdgeId, FaceId, MeshError, OpenedMesh};
 use crate::methods::flow::SolveError;
@@ -17,28 +18,28 @@ use crate::methods::flow::SolveError;
 const SAME: f64 = 1e-6;
 
 impl MergeFlow {
-    /// Shortens the cuts inside one patch as far as its limits let.
+    /// Shortens the cuts inside one patch, or one and its image, as far as its limits let.
     pub(super) fn zip_step(&mut self) {
         while self.next_zip < self.members.len() {
             let index = self.next_zip;
             self.next_zip += 1;
-            if let Some(member) = self.members[index].take() {
-                let has_map = member.map.is_some();
-                let zipped = if has_map { self.zip_member(member) } else { member };
-                self.members[index] = Some(zipped);
-                if has_map {
-                    self.picture();
-                    return;
-                }
+            let image = self.image_of(small(index)) as usize;
+            // A pair of images is zipped at once.
+            if image >= index && self.members[index].as_ref().is_some_and(|m| m.map.is_some()) {
+                self.zip_member([index, image]);
+                self.picture();
+                return;
             }
         }
         self.state.phase = MergePhase::Checking;
     }
 
-    fn zip_member(&mut self, mut member: Member) -> Member {
-        let limits = self.limits_of(&member);
+    /// **Takes** a patch and its image, itself where there is no symmetry.
+    fn zip_member(&mut self, [index, image]: [usize; 2]) {
         let mut is_inside = vec![false; self.bench.mesh.face_count()];
-        member.faces.iter().for_each(|f| is_inside[f.index()] = true);
+        for f in self.members[index].iter().flat_map(|m| &m.faces) {
+            is_inside[f.index()] = true;
+        }
         // Whole curves first, then tips by halves.
         let curves: Vec<Vec<EdgeId>> = self
             .curves
@@ -48,20 +49,20 @@ impl MergeFlow {
             .cloned()
             .collect();
         for edges in curves {
-            self.try_to_glue(&mut member, &edges, &limits);
+            self.try_to_glue([index, image], &edges);
         }
         loop {
-            let chains = self.tip_chains(&member, &is_inside);
+            let chains = self.tip_chains(index, &is_inside);
             let mut has_glued = false;
             for chain in chains {
                 let mut count = chain.len();
                 while count > 0 && !has_glued {
-                    has_glued = self.try_to_glue(&mut member, &chain[..count], &limits);
+                    has_glued = self.try_to_glue([index, image], &chain[..count]);
                     count /= 2;
                 }
             }
             if !has_glued {
-                return member;
+                return;
             }
         }
     }
@@ -74,10 +75,10 @@ impl MergeFlow {
     }
 
     /// Cuts that end inside the patch, from their tips to where they meet others.
-    fn tip_chains(&self, member: &Member, is_inside: &[bool]) -> Vec<Vec<EdgeId>> {
+    fn tip_chains(&self, index: usize, is_inside: &[bool]) -> Vec<Vec<EdgeId>> {
         let mesh = &self.bench.mesh;
         let mut chains = Vec::new();
-        for &f in &member.faces {
+        for &f in self.members[index].iter().flat_map(|m| &m.faces) {
             for h in mesh.face_halfedges(f) {
                 let mut v = mesh.tail(h);
                 let is_tip = self.bench.tip_at(v) == Some(h.edge());
@@ -101,23 +102,50 @@ impl MergeFlow {
         chains
     }
 
-    /// Glues some edges if the patch still passes, and what can be zipped then. Gives whether it does.
-    fn try_to_glue(&mut self, member: &mut Member, edges: &[EdgeId], limits: &Limits) -> bool {
-        let mut removed = self.bench.remove(edges);
+    /// Glues some edges if the patch still passes, and what can be zipped then; their images too, or neither. Gives whether it does.
+    fn try_to_glue(&mut self, [index, image]: [usize; 2], edges: &[EdgeId]) -> bool {
+        let mut wanted = edges.to_vec();
+        if let Some(mirror) = self.mirror.as_ref().filter(|_| index == image) {
+            wanted.extend(mirror.edges(edges));
+            wanted.sort_unstable();
+            wanted.dedup();
+        }
+        let mut removed = self.bench.remove(&wanted);
         if removed.is_empty() {
             return false;
         }
         self.bench.zip(&mut removed);
-        match self.bench.flatten(&member.faces, limits) {
-            Ok(map) => {
-                member.map = Some(map);
-                true
+        let images = self.mirror.as_ref().map(|mirror| mirror.edges(&removed));
+        let maps = match images {
+            Some(images) if index == image => same_edges(&images, &removed)
+                .then(|| self.map_again(index))
+                .flatten()
+                .map(|m| [Some(m), None]),
+            Some(images) => {
+                let is_free = images.iter().all(|e| !self.bench.is_kept[e.index()]);
+                removed.extend(self.bench.remove(&images));
+                let maps = is_free.then(|| [index, image].map(|i| self.map_again(i)));
+                maps.filter(|maps| maps.iter().all(Option::is_some))
             }
-            Err(_) => {
-                removed.iter().for_each(|&e| self.bench.set_cut(e, true));
-                false
+            None => self.map_again(index).map(|map| [Some(map), None]),
+        };
+        let Some(maps) = maps else {
+            removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+            return false;
+        };
+        for (i, map) in [index, image].into_iter().zip(maps) {
+            if let (Some(member), Some(map)) = (&mut self.members[i], map) {
+                member.map = Some(map);
             }
         }
+        true
+    }
+
+    /// A map of a patch along the present cut, if it still passes.
+    fn map_again(&mut self, index: usize) -> Option<Map> {
+        let member = self.members[index].as_ref()?;
+        let limits = self.limits_of(member);
+        self.bench.flatten(&member.faces, &limits).ok()
     }
 
     /// Flattens all patches anew, opened as they will be, by the code that everyone else uses, and compares.
@@ -168,8 +196,16 @@ impl MergeFlow {
         let mut cut = CutMesh::uncut(mesh);
         let mut edges: Vec<EdgeId> = self.state.cut_edges.clone();
         if opens_holes {
-            let maps = self.members.iter().flatten().filter_map(|m| m.map.as_ref());
-            edges.extend(maps.flat_map(|map| map.virtual_edges.iter().copied()));
+            for index in 0..small(self.members.len()) {
+                // An image is opened along the images of the edges that its original is opened along.
+                let first = self.image_of(index).min(index);
+                let map = self.members[first as usize].as_ref().and_then(|m| m.map.as_ref());
+                let opens = map.map_or(&[][..], |map| &map.virtual_edges);
+                match self.mirror.as_ref().filter(|_| first < index) {
+                    Some(mirror) => edges.extend(mirror.edges(opens)),
+                    None => edges.extend(opens),
+                }
+            }
             edges.sort_unstable();
             edges.dedup();
         }

@@ -200,7 +200,7 @@ impl MergeFlow {
         for (i, curve) in self.curves.iter().enumerate() {
             self.between.entry(curve.charts).or_default().push(small(i));
         }
-        for pair in self.wishes.together.clone() {
+        for pair in self.wished_pairs() {
             self.force(pair);
         }
         self.pending = self.between.keys().copied().collect();
@@ -248,6 +248,22 @@ impl MergeFlow {
     }
 
     /// Merges all patches with these two labels, limits or not.
+    /// Labels that are to be joined, and those of their images.
+    fn wished_pairs(&self) -> Vec<[u32; 2]> {
+        let image = |label: u32| {
+            let mirror = self.mirror.as_ref()?;
+            let face = self.labels.iter().position(|&other| other == label)?;
+            Some(self.labels[mirror.face(FaceId::from(face)).index()])
+        };
+        let mut pairs = self.wishes.together.clone();
+        for [a, b] in self.wishes.together.iter().copied() {
+            if let (Some(c), Some(d)) = (image(a), image(b)) {
+                pairs.push([c, d]);
+            }
+        }
+        pairs
+    }
+
     fn force(&mut self, [a, b]: [u32; 2]) {
         let mut is_done = false;
         loop {

@@ -13,6 +13,21 @@ pub struct Mirror {
     edges: Vec<EdgeId>,
 }
 
+/// Whether two lists hold the same edges.
+pub(super) fn same_edges(a: &[EdgeId], b: &[EdgeId]) -> bool {
+    let sorted = |edges: &[EdgeId]| {
+        let mut sorted = edges.to_vec();
+        sorted.sort_unstable();
+        sorted
+    };
+    sorted(a) == sorted(b)
+}
+
+/// Whether vertices go where a symmetry of order two of the mesh would take them, triangles to triangles.
+pub fn maps_triangles(mesh: &Mesh, vertices: &[VertexId]) -> bool {
+    Mirror::new(mesh, vertices).is_ok()
+}
+
 impl Mirror {
     /// **Fails** where the vertices are no symmetry of order two of the mesh.
     pub fn new(mesh: &Mesh, vertices: &[VertexId]) -> Result<Self, SolveError> {

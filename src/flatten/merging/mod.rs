@@ -26,6 +26,7 @@ mod ways;
 
 pub use flow::{MergeFlow, ParamsChange};
 pub use gate::ChartGate;
+pub use mirror::maps_triangles;
 pub use params::{AreaMeasure, MergeParams, MergeStrategy, MergeWishes};
 pub use state::{MergePhase, MergeState, PatchInfo};
 pub use trial::Reject;

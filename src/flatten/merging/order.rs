@@ -1,9 +1,9 @@
 //! Which merge comes next: the best of all that passes, or the paper's order.
 
 use super::flow::MergeFlow;
+use super::mirror::same_edges;
 use super::state::MergePhase;
 use super::ways::{GROUND, Offer, Tried};
-use crate::mesh::{EdgeId, FaceId};
 
 /// What a few trials led to.
 pub(super) enum Advance {
@@ -15,20 +15,21 @@ pub(super) enum Advance {
 }
 
 impl MergeFlow {
-    /// Merges a pair and its image, or neither. Gives whether it did.
-    fn merge_images(&mut self, pair: [u32; 2], edges: &[EdgeId], offer: Offer) -> bool {
-        let image = self.mirror.as_ref().and_then(|mirror| {
-            let image = pair.map(|i| {
-                let face = self.members[i as usize].as_ref().map_or(FaceId(0), |m| m.faces[0]);
-                self.member_of_chart[self.face_charts[mirror.face(face).index()] as usize]
-            });
-            let image = [image[0].min(image[1]), image[0].max(image[1])];
-            (image != pair).then(|| (image, mirror.edges(edges)))
-        });
-        let Some((image, edges)) = image else {
+    /// Merges a pair and its image along the very images of what is removed and cut, or neither. Gives whether it did.
+    fn merge_images(&mut self, pair: [u32; 2], offer: Offer) -> bool {
+        let Some(mirror) = &self.mirror else {
             self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
             return true;
         };
+        let (removed, darts) = (mirror.edges(&offer.removed), mirror.edges(&offer.darts));
+        let image = pair.map(|i| self.image_of(i));
+        if image == pair || image == [pair[1], pair[0]] {
+            let is_own = same_edges(&removed, &offer.removed) && same_edges(&darts, &offer.darts);
+            if is_own {
+                self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
+            }
+            return is_own;
+        }
         let saved = (self.members.clone(), self.between.clone(), self.ways.clone());
         let waiting = (self.queue.clone(), self.pending.clone(), self.member_of_chart.clone());
         let (first_removed, first_darts) = (offer.removed.clone(), offer.darts.clone());
@@ -37,9 +38,9 @@ impl MergeFlow {
         let image = image.map(|i| if pair.contains(&i) { pair[0] } else { i });
         let image = [image[0].min(image[1]), image[0].max(image[1])];
         if self.may_join(image)
-            && let Tried::Passed(other) = self.try_way(image, &edges, f64::INFINITY, true)
+            && let Some(map) = self.try_exactly(image, &removed, &darts)
         {
-            self.merge(image, &other.removed, &other.darts, other.map, false);
+            self.merge(image, &removed, &darts, map, false);
             return true;
         }
         first_darts.iter().for_each(|&e| self.bench.set_cut(e, false));
@@ -48,6 +49,15 @@ impl MergeFlow {
         (self.queue, self.pending, self.member_of_chart) = waiting;
         self.state.merges -= 1;
         false
+    }
+
+    /// The patch on the other side of the symmetry.
+    pub(super) fn image_of(&self, patch: u32) -> u32 {
+        let (Some(mirror), Some(member)) = (&self.mirror, &self.members[patch as usize]) else {
+            return patch;
+        };
+        let face = mirror.face(member.faces[0]);
+        self.member_of_chart[self.face_charts[face.index()] as usize]
     }
 
     /// Trials until a step is full or the best merge is known; then that.
@@ -77,7 +87,7 @@ impl MergeFlow {
             let slot = self.ways.get_mut(&pair).and_then(|ways| ways[index as usize].take());
             let Some(mut way) = slot else { continue };
             if let Some(offer) = way.offer {
-                if self.merge_images(pair, &way.edges, offer) {
+                if self.merge_images(pair, offer) {
                     return Advance::Merged;
                 }
                 continue;
@@ -131,8 +141,9 @@ impl MergeFlow {
                 continue;
             }
             let edges = self.curves[curve as usize].edges.clone();
-            if let Tried::Passed(offer) = self.try_way(pair, &edges, f64::INFINITY, false) {
-                self.merge(pair, &offer.removed, &[], offer.map, false);
+            if let Tried::Passed(offer) = self.try_way(pair, &edges, f64::INFINITY, false)
+                && self.merge_images(pair, offer)
+            {
                 self.picture();
                 return;
             }

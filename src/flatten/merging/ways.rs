@@ -133,6 +133,26 @@ impl MergeFlow {
         }
     }
 
+    /// One trial of the very edges that go and that are cut. The cut is as before afterwards.
+    pub(super) fn try_exactly(
+        &mut self,
+        pair: [u32; 2],
+        removed: &[EdgeId],
+        darts: &[EdgeId],
+    ) -> Option<Map> {
+        if removed.iter().any(|e| self.bench.is_kept[e.index()]) {
+            return None;
+        }
+        let gone = self.bench.remove(removed);
+        let is_whole = |e: &&EdgeId| !self.bench.is_cut()[e.index()];
+        let cut: Vec<EdgeId> = darts.iter().filter(is_whole).copied().collect();
+        cut.iter().for_each(|&e| self.bench.set_cut(e, true));
+        let found = self.bench.flatten(&self.joined_faces(pair), &self.limits());
+        cut.iter().for_each(|&e| self.bench.set_cut(e, false));
+        gone.iter().for_each(|&e| self.bench.set_cut(e, true));
+        found.ok()
+    }
+
     /// A map of a pair along the present cut, and the darts that it needs.
     fn try_cut(
         &mut self,

@@ -161,6 +161,10 @@ impl CutFlow {
         };
         let mut metric = CurveMetric::new(&self.state.cut, smoothing, self.mean_edge)?;
         let mut gradient = self.gradient()?;
+        if !gradient.iter().all(|g| g.is_finite()) {
+            // Triangles without area have no finite derivative of their cotangents: no direction leads down from here.
+            return Ok(false);
+        }
         metric.clip(&mut gradient, clip, self.mean_edge);
         let z = metric.raise(&gradient);
 

@@ -139,6 +139,10 @@ pub enum Event {
     },
     /// Symmetries of the surface.
     Symmetries {
+        /// Whether the method at work keeps any.
+        is_offered: bool,
+        /// Whether it keeps one at a time.
+        is_single: bool,
         /// Whether anybody has looked.
         is_searched: bool,
         /// What was found, the most exact first.

@@ -61,7 +61,7 @@ pub struct SymmetryChoice {
     pub label: String,
     /// How far the surface is from it, as a fraction of its size.
     pub deviation: f64,
-    /// Whether the cut is kept symmetric.
+    /// Whether the cut, or the patches, are kept symmetric.
     pub on: bool,
 }
 

@@ -156,7 +156,9 @@ impl Segmentation for Developable {
             return Ok(is_back);
         }
         let is_merge = run.plan.merge != plan.merge;
-        let is_wish = run.hands != self.hands || run.plan.kept != plan.kept;
+        let is_wish = run.hands != self.hands
+            || run.plan.kept != plan.kept
+            || run.plan.symmetry != plan.symmetry;
         if let Stage::Merge(flow) = &mut run.stage {
             if is_merge {
                 let change = flow.set_params(plan.merge).map_err(wrong)?;
@@ -396,6 +398,7 @@ impl Work {
             dart_length: darts,
             steps: run.steps,
             status: status_word(Some(run.status())),
+            symmetry: self.layers.patch_symmetry.ids.clone(),
             flattening: FlattenReport::new(layout, None),
             notices: self.notices(layout).into_iter().chain(notes).collect(),
             seconds,

@@ -66,6 +66,8 @@ pub struct DevelopReport {
     pub steps: usize,
     /// `converged` or `paused`.
     pub status: &'static str,
+    /// The symmetry that pieces are merged by, if any.
+    pub symmetry: Vec<String>,
     /// The charts.
     pub flattening: FlattenReport,
     /// What a person should know.

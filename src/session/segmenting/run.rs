@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::super::message::Event;
 use super::super::params::whole;
 use super::super::surface::Surface;
+use super::super::symmetric::KeptByPatches;
 use super::Inputs;
 use crate::flatten::merging::{
     AreaMeasure, ChartGate, MergeFlow, MergeParams, MergeStrategy, MergeWishes,
@@ -40,6 +41,8 @@ pub(super) struct Plan {
     /// What an edge costs beyond its length; empty for nothing.
     pub factors: Rc<Vec<f64>>,
     pub kept: Rc<Vec<EdgeId>>,
+    /// What merging keeps.
+    pub symmetry: Rc<KeptByPatches>,
 }
 
 /// A run and where it is.
@@ -194,8 +197,12 @@ impl Run {
 
 /// Whether first pieces are the same.
 pub(super) fn keeps_charts(old: &Plan, new: &Plan) -> bool {
-    let only_charts =
-        |plan: &Plan| Plan { merge: MergeParams::default(), kept: Rc::default(), ..plan.clone() };
+    let only_charts = |plan: &Plan| Plan {
+        merge: MergeParams::default(),
+        kept: Rc::default(),
+        symmetry: Rc::default(),
+        ..plan.clone()
+    };
     only_charts(old) == only_charts(new)
 }
 
@@ -208,7 +215,7 @@ pub(super) fn wishes(plan: &Plan, hands: &Hands, mesh: &Mesh, charts: &[u32]) ->
         together: hands.together.clone(),
         kept_edges: kept.collect(),
         prices: plan.factors.to_vec(),
-        symmetry: None,
+        symmetry: (!plan.symmetry.ids.is_empty()).then(|| plan.symmetry.vertices.clone()),
     }
 }
 
@@ -251,6 +258,7 @@ pub(super) fn plan(inputs: &Inputs) -> Plan {
         },
         factors: Rc::new(factors),
         kept: Rc::new(kept),
+        symmetry: layers.patch_symmetry.clone(),
     }
 }
 
