@@ -37,7 +37,7 @@ pub(super) struct Part {
 }
 
 /// A turn and the extent of the part after it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fit {
     pub turn: Turn,
     pub bounds: Bounds,
@@ -87,6 +87,13 @@ impl Spot {
 }
 
 impl Part {
+    /// Whether it has the outlines and turns of another part.
+    pub fn is_copy_of(&self, other: &Self) -> bool {
+        self.rim == other.rim
+            && self.fits == other.fits
+            && self.slack.to_bits() == other.slack.to_bits()
+    }
+
     /// `None` where the shape fits the stock in no turn.
     pub fn new(
         shape: usize,

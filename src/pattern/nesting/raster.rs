@@ -1,7 +1,10 @@
 //! First layouts: each part as low as it goes, then as far to the left, on a raster.
 //!
 //! A part grown by half the gap covers all cells that it touches; parts that cover no cell in common keep the gap. Rows of the
-//! raster are lists of covered stretches, so that all places of a row are tried at once.
+//! raster are lists of covered stretches, so that all places of a row are tried at once. Where one copy of a part found no place
+//! the next will find none either, as nothing is taken away: it goes on from there.
+
+use std::collections::BTreeMap;
 
 use super::part::{Fit, Part, Spot};
 use super::plane::{minus, sides, size};
@@ -49,17 +52,26 @@ pub(super) fn fill(parts: &[Part], order: &[usize], board: &Board) -> Option<Vec
     let columns = whole(((board.inner[0].max(widest) + 2.0 * reach) / board.cell).ceil() + 1.0);
     let mut sheets: Vec<Covered> = Vec::new();
     let mut spots: Vec<Option<Spot>> = vec![None; parts.len()];
+    let originals = originals(parts);
+    let mut all_masks: Vec<Option<Vec<Mask>>> = parts.iter().map(|_| None).collect();
+    // For each original and sheet the row from which on each turn may have a place.
+    let mut all_lows: Vec<Vec<Vec<i32>>> = vec![Vec::new(); parts.len()];
     for &i in order {
         let part = &parts[i];
-        let masks: Vec<Mask> =
-            part.fits.iter().map(|fit| Mask::new(part, fit, board, reach)).collect();
+        let masks = all_masks[originals[i]].get_or_insert_with(|| {
+            part.fits.iter().map(|fit| Mask::new(part, fit, board, reach)).collect()
+        });
+        let lows = &mut all_lows[originals[i]];
         let mut sheet = 0;
         let (turn, x, y) = loop {
             let is_new = sheet == sheets.len();
             if is_new {
                 sheets.push(Covered { columns, ..Covered::default() });
             }
-            if let Some(found) = lowest(&sheets[sheet], part, &masks, board) {
+            if lows.len() == sheet {
+                lows.push(vec![0; masks.len()]);
+            }
+            if let Some(found) = lowest(&sheets[sheet], part, masks, &mut lows[sheet], board) {
                 break found;
             }
             if is_new {
@@ -74,11 +86,28 @@ pub(super) fn fill(parts: &[Part], order: &[usize], board: &Board) -> Option<Vec
     Some(spots.into_iter().flatten().collect())
 }
 
+/// For each part the first one that is the same: copies are.
+fn originals(parts: &[Part]) -> Vec<usize> {
+    let mut firsts: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+    let mut original = |(i, part): (usize, &Part)| {
+        let alike = firsts.entry(part.area.to_bits()).or_default();
+        let found = alike.iter().copied().find(|&j| part.is_copy_of(&parts[j]));
+        found.unwrap_or_else(|| {
+            alike.push(i);
+            i
+        })
+    };
+    parts.iter().enumerate().map(&mut original).collect()
+}
+
 /// The turn and cell with the lowest top, then the lowest place, then the one farthest left.
+///
+/// **Takes** for each turn a row below which it has no place, which is brought up to what is found.
 fn lowest(
     covered: &Covered,
     part: &Part,
     masks: &[Mask],
+    lows: &mut [i32],
     board: &Board,
 ) -> Option<(usize, i32, i32)> {
     let mut best: Option<(f64, usize, i32, i32)> = None;
@@ -95,7 +124,9 @@ fn lowest(
             None => room(board.inner[1], height),
         };
         let last_y = whole(limit.min(covered.rows.len() as f64));
-        if let Some([x, y]) = covered.place(mask, last_x, last_y) {
+        let found = covered.place(mask, last_x, [lows[turn], last_y]);
+        lows[turn] = found.map_or(lows[turn].max(last_y + 1), |[_, y]| y);
+        if let Some([x, y]) = found {
             let top = f64::from(y) * board.cell + height;
             // Of two turns with about the same top the one farther left.
             let is_better = best.is_none_or(|(t, _, best_x, _)| {
@@ -115,11 +146,11 @@ fn whole(x: f64) -> i32 {
 }
 
 impl Covered {
-    /// The lowest free place of a mask, then the one farthest left.
-    fn place(&self, mask: &Mask, last_x: i32, last_y: i32) -> Option<[i32; 2]> {
+    /// The lowest free place of a mask in some rows, then the one farthest left.
+    fn place(&self, mask: &Mask, last_x: i32, [first_y, last_y]: [i32; 2]) -> Option<[i32; 2]> {
         let places = usize::try_from(last_x).unwrap_or(0) + 1;
         let mut taken = vec![0_u64; places.div_ceil(64)];
-        'rows: for y in 0..=last_y {
+        'rows: for y in first_y..=last_y {
             let from = usize::try_from(y).unwrap_or(0);
             let beside = |j: &usize| *j + from < self.rows.len();
             if mask
