@@ -47,6 +47,7 @@ export const WORDS = [
   ["Seam", "A stretch of cut together with its partner, to which it is joined again.", "partner edge"],
   ["Seam allowance", "The margin outside the seam line that is sewn or glued under, in millimetres.", "margin flap"],
   ["Stretch", "How much longer lengths have become; L² is the root mean square over all directions and places. 1 is true length.", "L2 sander"],
+  ["Symmetry", "A mirror plane or axis that takes the surface to itself. Cuts and pieces can be made to have it too.", "mirror half turn"],
   ["Triple point", "A point where three regions meet.", "junction corner"],
   ["UV atlas", "All charts packed into one square, which tells every point of the surface its place in a picture.", "texture unwrap"],
   ["Velocity", "The speed v at which each point of the cut moves across itself, so that the energy falls.", "speed gradient"],

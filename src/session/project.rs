@@ -2,7 +2,7 @@
 //!
 //! ```json
 //! {
-//!   "cutflow_project": 1,
+//!   "cutflow_project": 2,
 //!   "mesh": {"name": "bunny.obj", "format": "OBJ", "obj": "v 0 0 0\n…"},
 //!   "method": "cutflow",
 //!   "parameters": {"length": 2.0},
@@ -31,8 +31,8 @@ use super::work::stem;
 use super::{Session, nothing_open};
 use crate::pattern;
 
-/// The version of the format that is written.
-const VERSION: u32 = 1;
+/// The version of the format that is written; all before it are read. The second one knows of rounds and of symmetric patches.
+const VERSION: u32 = 2;
 
 /// One thing that was done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,8 +50,10 @@ pub(super) enum Entry {
     Steps(usize),
     /// Rounds of the solver of cones, which had not come to its end. After Undo it needs others than in a replay: there may be fewer.
     Rounds(usize),
-    /// Cones were solved and laid out, in however many rounds.
+    /// Cones were solved, in however many rounds.
     Solved,
+    /// Their charts were made.
+    LaidOut,
     /// Everything that waited was brought to rest at once, for a file or a pattern.
     Settle,
 }
@@ -155,11 +157,17 @@ impl Log {
         }
     }
 
-    /// The step that was made last has laid out cones, whose solver is at its end.
+    /// The step that was made last was the last round of the solver of cones.
     pub fn solved(&mut self) {
-        self.take_back_step();
+        self.round();
         self.rounds = 0;
         self.push(Entry::Solved);
+    }
+
+    /// The step that was made last has made the charts of cones.
+    pub fn laid_out(&mut self) {
+        self.take_back_step();
+        self.push(Entry::LaidOut);
     }
 
     pub fn push(&mut self, entry: Entry) {
@@ -199,7 +207,10 @@ impl Log {
     /// The last thing that was done, not what came to rest after it.
     fn last_done(&self) -> Option<&Rc<Node>> {
         let mut last = self.last.as_ref();
-        while let Some(node) = last.filter(|node| node.entry == Entry::Solved) {
+        let is_rest = |entry: &Entry| {
+            matches!(entry, Entry::Steps(_) | Entry::Rounds(_) | Entry::Solved | Entry::LaidOut)
+        };
+        while let Some(node) = last.filter(|node| is_rest(&node.entry)) {
             last = node.before.as_ref();
         }
         last
@@ -380,8 +391,14 @@ impl Session {
                 Vec::new()
             }
             Entry::Solved => {
-                if self.are_cones_unsolved() && self.step_again(events) {
+                if self.are_cones_due() && self.step_again(events) {
                     self.replay.entries.push_front(Entry::Solved);
+                }
+                Vec::new()
+            }
+            Entry::LaidOut => {
+                if self.are_charts_due() {
+                    self.step_again(events);
                 }
                 Vec::new()
             }

@@ -9,6 +9,8 @@ use super::method::Method;
 use super::text::Problem;
 use super::work::Work;
 use super::{Session, nothing_open};
+use nalgebra::Matrix3;
+
 use crate::flatten::merging::maps_triangles;
 use crate::geometry::{Symmetry, SymmetryKind, SymmetryMap, find_symmetries, symmetry_group};
 use crate::mesh::VertexId;
@@ -28,7 +30,7 @@ pub struct Kept {
     pub maps: Arc<Vec<SymmetryMap>>,
 }
 
-/// The symmetry that developable patches keep: a mirror plane or an axis of two, by which triangles go to triangles.
+/// The symmetry that developable patches keep: a mirror plane or a half turn, by which triangles go to triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KeptByPatches {
     /// Its identifier, if there is one.
@@ -47,6 +49,8 @@ impl Session {
             work.symmetries = Some(Rc::new(found));
         }
         events.push(self.symmetries());
+        // Cones are told with their partners.
+        events.extend(self.cones_event());
         Ok(())
     }
 
@@ -63,7 +67,7 @@ impl Session {
         let kept = self.work.as_ref().map_or(&[][..], Work::kept_symmetries);
         let is_for_patches = self.method() == Method::Developable;
         let options = named(found.as_deref().map_or(&[], Vec::as_slice))
-            .filter(|(.., symmetry)| !is_for_patches || is_of_order_two(symmetry))
+            .filter(|(.., symmetry)| !is_for_patches || has_order_two(symmetry))
             .map(|(id, label, symmetry)| SymmetryChoice {
                 on: kept.contains(&id),
                 deviation: symmetry.deviation,
@@ -71,12 +75,13 @@ impl Session {
                 label,
             })
             .collect();
-        Event::Symmetries {
-            is_offered: is_for_patches || self.method() == Method::CutFlow,
-            is_single: is_for_patches,
-            is_searched: found.is_some(),
-            options,
-        }
+        let serves = match self.method() {
+            Method::CutFlow => "cut",
+            Method::Cones => "pairs",
+            Method::Developable => "patches",
+            Method::PhaseField => "nothing",
+        };
+        Event::Symmetries { serves, is_searched: found.is_some(), options }
     }
 
     /// Keeps the cut symmetric from a new start on, or developable patches.
@@ -88,11 +93,6 @@ impl Session {
         self.find_symmetries(events)?;
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
         match work.method {
-            Method::CutFlow => {
-                let kept = work.kept_by_cut(ids)?;
-                let layers = Layers { symmetry: Rc::new(kept), ..work.layers.clone() };
-                self.restart_with(layers, "change symmetry", events)?;
-            }
             Method::Developable => {
                 let kept = work.kept_by_patches(ids)?;
                 self.remember("change symmetry", "change symmetry");
@@ -103,12 +103,10 @@ impl Session {
                 events.push(self.history_event());
                 events.push(self.status());
             }
-            method => {
-                return Err(Problem::new(
-                    format!("{} keeps no symmetries.", method.label()),
-                    "In the choice of symmetries.",
-                    "Choose the method Cut flow or Developable patches first.",
-                ));
+            _ => {
+                let kept = work.kept_by_cut(ids)?;
+                let layers = Layers { symmetry: Rc::new(kept), ..work.layers.clone() };
+                self.restart_with(layers, "change symmetry", events)?;
             }
         }
         events.push(self.symmetries());
@@ -120,9 +118,8 @@ impl Work {
     /// Identifiers of the symmetries that the method at work keeps.
     pub(super) fn kept_symmetries(&self) -> &[String] {
         match self.method {
-            Method::CutFlow => &self.layers.symmetry.ids,
             Method::Developable => &self.layers.patch_symmetry.ids,
-            _ => &[],
+            _ => &self.layers.symmetry.ids,
         }
     }
 
@@ -133,7 +130,10 @@ impl Work {
         let mut chosen = Vec::new();
         for id in ids {
             let Some((.., symmetry)) = named(&found).find(|(known, ..)| known == id) else {
-                let known: Vec<String> = named(&found).map(|(id, ..)| id).collect();
+                let is_for_patches = self.method == Method::Developable;
+                let fits = |s: &Symmetry| !is_for_patches || has_order_two(s);
+                let known: Vec<String> =
+                    named(&found).filter(|(.., s)| fits(s)).map(|(id, ..)| id).collect();
                 return Err(self.refused(
                     format!("The surface has no symmetry “{id}”."),
                     match known.is_empty() {
@@ -161,26 +161,30 @@ impl Work {
         if ids.len() > 1 {
             return Err(self.refused(
                 "Developable patches keep one symmetry at a time.",
-                "Choose one mirror plane, or one axis of two.",
+                "Choose one mirror plane, or one axis of even order.",
             ));
         }
         let group = self.group_of(ids)?;
-        let [map] = &group[..] else {
-            return match group.is_empty() {
-                true => Ok(KeptByPatches::default()),
-                false => Err(self.refused(
-                    "Developable patches keep mirror planes and axes of two, no other axes.",
-                    "Choose one of those.",
-                )),
-            };
-        };
+        if group.is_empty() {
+            return Ok(KeptByPatches::default());
+        }
         let mesh = &self.document.surface()?.mesh;
         // Where the image is a vertex, one of the weights is 1.
-        let nearest = |v| {
+        let nearest = |map: &SymmetryMap, v| {
             let (corners, weights) = map.image(v);
             corners[(0..3).max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or(0)]
         };
-        let vertices: Vec<VertexId> = mesh.vertices().map(nearest).collect();
+        // Of a mirror plane itself, of an axis its half turn.
+        let images = |map: &SymmetryMap| -> Vec<VertexId> {
+            mesh.vertices().map(|v| nearest(map, v)).collect()
+        };
+        let found = group.iter().filter(|map| is_own_inverse(&map.matrix)).map(images).next();
+        let Some(vertices) = found else {
+            return Err(self.refused(
+                "Developable patches keep mirror planes and half turns, and this axis has none.",
+                "Choose a mirror plane, or an axis of even order.",
+            ));
+        };
         if !maps_triangles(mesh, &vertices) {
             return Err(self.refused(
                 "The surface is symmetric, but its triangles are not: pieces are made of triangles.",
@@ -195,8 +199,16 @@ impl Work {
     }
 }
 
-fn is_of_order_two(symmetry: &Symmetry) -> bool {
-    matches!(symmetry.kind, SymmetryKind::Mirror | SymmetryKind::Rotation { order: 2 })
+/// Whether a mirror plane, or an axis that has a half turn among its turns.
+fn has_order_two(symmetry: &Symmetry) -> bool {
+    match symmetry.kind {
+        SymmetryKind::Mirror => true,
+        SymmetryKind::Rotation { order } => order % 2 == 0,
+    }
+}
+
+fn is_own_inverse(matrix: &Matrix3<f64>) -> bool {
+    (matrix * matrix - Matrix3::identity()).norm() < 1e-6
 }
 
 /// Identifiers and names: mirrors and axes are counted by themselves.

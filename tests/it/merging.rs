@@ -8,7 +8,8 @@ use cutflow::flatten::merging::{
     ParamsChange, maps_triangles,
 };
 use cutflow::flatten::{measure, validate};
-use cutflow::mesh::{EdgeId, VertexId};
+use cutflow::geometry::Geometry;
+use cutflow::mesh::{EdgeId, Mesh, VertexId};
 use cutflow::methods::cutflow::{Initial, initial_labels};
 use cutflow::methods::flow::{Flow, SolveError, Status};
 
@@ -198,6 +199,40 @@ fn wishes_are_kept() {
 #[test]
 fn cuts_keep_a_mirror_plane_edge_by_edge() {
     let (surface, labels) = small_surface();
+    keeps_a_mirror_plane(&surface, &labels);
+    // Quadrilaterals on one side divided along their other diagonals: their halves stay together.
+    let (flipped, count) = with_flipped_edges(&surface);
+    assert!(count > 5, "{count}");
+    keeps_a_mirror_plane(&flipped, &labels);
+}
+
+/// The same surface with a few edges flipped where x > 0, no two in one face. Faces keep their numbers.
+fn with_flipped_edges(surface: &Surface) -> (Surface, usize) {
+    let mesh = &surface.mesh;
+    let mut triangles: Vec<[u32; 3]> = mesh.triangles().iter().map(|t| t.map(|v| v.0)).collect();
+    let mut is_free = vec![true; mesh.face_count()];
+    let mut count = 0;
+    for e in mesh.edges().step_by(37) {
+        let h = e.halfedge();
+        let (Some(f), Some(g)) = (mesh.face(h), mesh.face(h.twin())) else { continue };
+        let [a, b] = [mesh.tail(h), mesh.tip(h)];
+        let [c, d] = [h, h.twin()].map(|h| mesh.tip(mesh.next(h)));
+        let is_right = [a, b, c, d].iter().all(|v| surface.geometry.positions[v.index()].x > 0.01);
+        if is_right && is_free[f.index()] && is_free[g.index()] {
+            triangles[f.index()] = [c.0, d.0, b.0];
+            triangles[g.index()] = [d.0, c.0, a.0];
+            [f, g].iter().for_each(|f| is_free[f.index()] = false);
+            count += 1;
+        }
+    }
+    let flipped = Mesh::new(mesh.vertex_count(), &triangles).unwrap();
+    let places: Vec<[f64; 3]> =
+        surface.geometry.positions.iter().map(|p| p.coords.into()).collect();
+    let (geometry, _) = Geometry::unit_area(&flipped, &places).unwrap();
+    (Surface { name: "flipped".into(), mesh: flipped, geometry }, count)
+}
+
+fn keeps_a_mirror_plane(surface: &Surface, labels: &[u32]) {
     let mesh = &surface.mesh;
     let places = &surface.geometry.positions;
     let image = |v: VertexId| {
@@ -215,18 +250,33 @@ fn cuts_keep_a_mirror_plane_edge_by_edge() {
     };
     for strategy in [MergeStrategy::BestFirst, MergeStrategy::Paper] {
         let params = MergeParams { strategy, ..MergeParams::default() };
-        let mut free = begin(&surface, &labels, params, MergeWishes::default());
+        let mut free = begin(surface, labels, params, MergeWishes::default());
         run(&mut free);
         assert!(unmatched(&free) > 0, "nothing to see");
         let symmetry = Some(vertices.clone());
         let wishes = MergeWishes { symmetry, ..MergeWishes::default() };
-        let mut flow = begin(&surface, &labels, params, wishes);
+        let mut flow = begin(surface, labels, params, wishes);
         let first = flow.state().patches.len();
         while flow.status() == Status::Running {
             flow.step().unwrap();
             assert_eq!(unmatched(&flow), 0);
         }
         assert!(flow.state().patches.len() < first, "{first} and nothing merged");
+        assert_valid(&flow);
+        assert_flat(&flow);
+        // Two labels that are joined by hand, and their images, or none.
+        let apart = mesh.edges().find_map(|e| {
+            let sides = [e.halfedge(), e.halfedge().twin()].map(|h| mesh.face(h));
+            let [f, g] = [sides[0]?.index(), sides[1]?.index()];
+            let patches = &flow.state().face_patches;
+            (labels[f] != labels[g] && patches[f] != patches[g]).then(|| [labels[f], labels[g]])
+        });
+        let together = vec![apart.unwrap()];
+        let wishes =
+            MergeWishes { together, symmetry: Some(vertices.clone()), ..MergeWishes::default() };
+        let mut flow = begin(surface, labels, params, wishes);
+        run(&mut flow);
+        assert_eq!(unmatched(&flow), 0);
         assert_valid(&flow);
         assert_flat(&flow);
     }

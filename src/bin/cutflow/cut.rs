@@ -324,6 +324,9 @@ pub fn keep_symmetries(session: &mut Session, ids: &[String]) -> Result<(), Prob
         }
         return Ok(());
     }
+    if found.is_empty() {
+        eprintln!("note: no symmetry was found");
+    }
     let ids = match ids.iter().any(|id| id == "all") {
         true => found.into_iter().map(|choice| choice.id).collect(),
         false => ids.to_vec(),

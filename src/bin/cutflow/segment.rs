@@ -106,7 +106,7 @@ pub struct DevelopArgs {
     /// Leaves the borders of first pieces as they are.
     #[arg(long)]
     no_min_cut: bool,
-    /// Merges pieces in both images of a symmetry or in neither: mirror-1, axis2-1 … as `--symmetry list` names them.
+    /// Merges pieces in both images of one symmetry or in neither: mirror-1, axis2-1 … as `--symmetry list` names them.
     #[arg(long, value_name = "ID")]
     symmetry: Option<String>,
     #[command(flatten)]

@@ -23,9 +23,11 @@ impl MergeFlow {
         while self.next_zip < self.members.len() {
             let index = self.next_zip;
             self.next_zip += 1;
-            let image = self.image_of(small(index)) as usize;
             // A pair of images is zipped at once.
-            if image >= index && self.members[index].as_ref().is_some_and(|m| m.map.is_some()) {
+            let image = self.image_of(small(index)).map(|image| image as usize);
+            if let Some(image) = image.filter(|&image| image >= index)
+                && self.members[index].as_ref().is_some_and(|m| m.map.is_some())
+            {
                 self.zip_member([index, image]);
                 self.picture();
                 return;
@@ -106,7 +108,8 @@ impl MergeFlow {
     fn try_to_glue(&mut self, [index, image]: [usize; 2], edges: &[EdgeId]) -> bool {
         let mut wanted = edges.to_vec();
         if let Some(mirror) = self.mirror.as_ref().filter(|_| index == image) {
-            wanted.extend(mirror.edges(edges));
+            let Some(images) = mirror.edges(edges) else { return false };
+            wanted.extend(images);
             wanted.sort_unstable();
             wanted.dedup();
         }
@@ -115,13 +118,15 @@ impl MergeFlow {
             return false;
         }
         self.bench.zip(&mut removed);
+        // None without a symmetry, and none in it where there are no images.
         let images = self.mirror.as_ref().map(|mirror| mirror.edges(&removed));
         let maps = match images {
-            Some(images) if index == image => same_edges(&images, &removed)
+            Some(None) => None,
+            Some(Some(images)) if index == image => same_edges(&images, &removed)
                 .then(|| self.map_again(index))
                 .flatten()
-                .map(|m| [Some(m), None]),
-            Some(images) => {
+                .map(|map| [Some(map), None]),
+            Some(Some(images)) => {
                 let is_free = images.iter().all(|e| !self.bench.is_kept[e.index()]);
                 removed.extend(self.bench.remove(&images));
                 let maps = is_free.then(|| [index, image].map(|i| self.map_again(i)));
@@ -191,21 +196,23 @@ impl MergeFlow {
         }
     }
 
+    /// What a patch with holes is opened along; an image along the images of what its original is opened along.
+    fn openings(&self, index: u32) -> Vec<EdgeId> {
+        let of = |i: u32| {
+            let map = self.members[i as usize].as_ref().and_then(|m| m.map.as_ref());
+            map.map_or_else(Vec::new, |map| map.virtual_edges.clone())
+        };
+        let original = self.image_of(index).filter(|&image| image < index);
+        let images = original.and_then(|i| self.mirror.as_ref()?.edges(&of(i)));
+        images.unwrap_or_else(|| of(index))
+    }
+
     fn cut(&self, opens_holes: bool) -> CutMesh {
         let mesh = &self.bench.mesh;
         let mut cut = CutMesh::uncut(mesh);
         let mut edges: Vec<EdgeId> = self.state.cut_edges.clone();
         if opens_holes {
-            for index in 0..small(self.members.len()) {
-                // An image is opened along the images of the edges that its original is opened along.
-                let first = self.image_of(index).min(index);
-                let map = self.members[first as usize].as_ref().and_then(|m| m.map.as_ref());
-                let opens = map.map_or(&[][..], |map| &map.virtual_edges);
-                match self.mirror.as_ref().filter(|_| first < index) {
-                    Some(mirror) => edges.extend(mirror.edges(opens)),
-                    None => edges.extend(opens),
-                }
-            }
+            edges.extend((0..small(self.members.len())).flat_map(|index| self.openings(index)));
             edges.sort_unstable();
             edges.dedup();
         }

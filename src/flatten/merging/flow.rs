@@ -9,7 +9,7 @@ use super::params::{MergeParams, MergeStrategy, MergeWishes};
 use super::split::bisect;
 use super::state::{MergePhase, MergeState, PatchInfo};
 use super::trial::{Bench, Limits, Map, Reject};
-use super::ways::Way;
+use super::ways::{Offer, Way};
 use crate::flatten::small;
 use crate::geometry::Geometry;
 use crate::mesh::{EdgeId, FaceId, Mesh};
@@ -156,7 +156,10 @@ impl MergeFlow {
                 self.bench.set_cut(e, true);
             }
         }
-        (self.face_charts, self.chart_labels) = connected_charts(&mesh, &self.labels);
+        (self.face_charts, self.chart_labels) = match &self.mirror {
+            Some(mirror) => connected_charts(&mesh, &mirror.whole_labels(&self.labels)),
+            None => connected_charts(&mesh, &self.labels),
+        };
         self.state = MergeState::default();
         let mut maps = self.split_charts();
         // Charts that are no images of each other are divided until they are; pieces of charts that pass may fail and be split once more.
@@ -200,7 +203,7 @@ impl MergeFlow {
         for (i, curve) in self.curves.iter().enumerate() {
             self.between.entry(curve.charts).or_default().push(small(i));
         }
-        for pair in self.wished_pairs() {
+        for pair in self.wishes.together.clone() {
             self.force(pair);
         }
         self.pending = self.between.keys().copied().collect();
@@ -248,22 +251,6 @@ impl MergeFlow {
     }
 
     /// Merges all patches with these two labels, limits or not.
-    /// Labels that are to be joined, and those of their images.
-    fn wished_pairs(&self) -> Vec<[u32; 2]> {
-        let image = |label: u32| {
-            let mirror = self.mirror.as_ref()?;
-            let face = self.labels.iter().position(|&other| other == label)?;
-            Some(self.labels[mirror.face(FaceId::from(face)).index()])
-        };
-        let mut pairs = self.wishes.together.clone();
-        for [a, b] in self.wishes.together.iter().copied() {
-            if let (Some(c), Some(d)) = (image(a), image(b)) {
-                pairs.push([c, d]);
-            }
-        }
-        pairs
-    }
-
     fn force(&mut self, [a, b]: [u32; 2]) {
         let mut is_done = false;
         loop {
@@ -280,13 +267,12 @@ impl MergeFlow {
             let mut removed = self.bench.remove(&edges);
             self.bench.zip(&mut removed);
             let faces = self.joined_faces(pair);
-            let limits =
-                Limits { rigid_steps: self.limits().rigid_steps, ..Limits::none(&self.params) };
-            let Ok(map) = self.bench.flatten(&faces, &limits) else {
-                removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+            let found = self.bench.flatten(&faces, &self.no_limits());
+            removed.iter().for_each(|&e| self.bench.set_cut(e, true));
+            let Ok(map) = found else { break };
+            if !self.merge_images(pair, Offer { removed, darts: Vec::new(), map }, true) {
                 break;
-            };
-            self.merge(pair, &removed, &[], map, true);
+            }
             is_done = true;
         }
         let one =
@@ -477,11 +463,12 @@ impl MergeFlow {
     }
 
     pub(super) fn limits_of(&self, member: &Member) -> Limits {
-        if member.is_forced {
-            Limits { rigid_steps: self.limits().rigid_steps, ..Limits::none(&self.params) }
-        } else {
-            self.limits()
-        }
+        if member.is_forced { self.no_limits() } else { self.limits() }
+    }
+
+    /// What is asked of a patch that was joined by hand: a map, without flips and crossings.
+    pub(super) fn no_limits(&self) -> Limits {
+        Limits { rigid_steps: self.limits().rigid_steps, ..Limits::none(&self.params) }
     }
 
     fn report(&self) -> StepReport {

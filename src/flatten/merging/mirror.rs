@@ -7,10 +7,15 @@ use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 use crate::methods::flow::SolveError;
 
 /// Where a symmetry of order two maps faces and edges.
+///
+/// Quadrilaterals whose images are divided along the other diagonal count as wholes: their two faces go to the two faces of the image, and the
+/// diagonal goes nowhere.
 #[derive(Clone, Debug)]
 pub struct Mirror {
     faces: Vec<FaceId>,
-    edges: Vec<EdgeId>,
+    edges: Vec<Option<EdgeId>>,
+    /// Faces of the quadrilaterals that count as wholes.
+    quads: Vec<[FaceId; 2]>,
 }
 
 /// Whether two lists hold the same edges.
@@ -23,7 +28,7 @@ pub(super) fn same_edges(a: &[EdgeId], b: &[EdgeId]) -> bool {
     sorted(a) == sorted(b)
 }
 
-/// Whether vertices go where a symmetry of order two of the mesh would take them, triangles to triangles.
+/// Whether vertices go where a symmetry of order two of the mesh would take them, triangles to triangles, but for diagonals of quadrilaterals.
 pub fn maps_triangles(mesh: &Mesh, vertices: &[VertexId]) -> bool {
     Mirror::new(mesh, vertices).is_ok()
 }
@@ -40,6 +45,13 @@ impl Mirror {
         if !is_involution {
             return Err(SolveError::NotSymmetric);
         }
+        let image = |v: VertexId| vertices[v.index()];
+        let between = |a: VertexId, b: VertexId| mesh.outgoing(a).find(|&h| mesh.tip(h) == b);
+        let edge_image = |e: EdgeId| {
+            let [a, b] = mesh.edge_vertices(e).map(image);
+            Some(between(a, b)?.edge())
+        };
+        let edges: Vec<Option<EdgeId>> = mesh.edges().map(edge_image).collect();
         let sorted = |mut corners: [VertexId; 3]| {
             corners.sort_unstable();
             corners
@@ -48,19 +60,33 @@ impl Mirror {
         for f in mesh.faces() {
             by_corners.insert(sorted(mesh.face_vertices(f)), f);
         }
-        let image = |v: VertexId| vertices[v.index()];
-        let mut faces = Vec::with_capacity(mesh.face_count());
-        for f in mesh.faces() {
-            let found = by_corners.get(&sorted(mesh.face_vertices(f).map(image)));
-            faces.push(*found.ok_or(SolveError::NotSymmetric)?);
+        let found = |f: FaceId| by_corners.get(&sorted(mesh.face_vertices(f).map(image))).copied();
+        let mut faces: Vec<Option<FaceId>> = mesh.faces().map(found).collect();
+        // The two faces at an edge and their corners opposite it.
+        let sides = |e: EdgeId| {
+            let both = [e.halfedge(), e.halfedge().twin()];
+            let [f, g] = [mesh.face(both[0])?, mesh.face(both[1])?];
+            let mut faces = [f, g];
+            faces.sort_unstable();
+            Some((faces, both.map(|h| mesh.tip(mesh.next(h)))))
+        };
+        let mut quads = Vec::new();
+        for e in mesh.edges().filter(|e| edges[e.index()].is_none()) {
+            let quad = || {
+                let (own, [c, d]) = sides(e)?;
+                let other = between(image(c), image(d))?.edge();
+                let (its, corners) = sides(other)?;
+                let ends = mesh.edge_vertices(e).map(image);
+                let is_image = corners == ends || corners == [ends[1], ends[0]];
+                let is_free = own.iter().all(|f| faces[f.index()].is_none());
+                (is_image && is_free).then_some((own, its))
+            };
+            let (own, its) = quad().ok_or(SolveError::NotSymmetric)?;
+            own.iter().zip(its).for_each(|(f, image)| faces[f.index()] = Some(image));
+            quads.push(own);
         }
-        let mut edges = Vec::with_capacity(mesh.edge_count());
-        for e in mesh.edges() {
-            let [a, b] = mesh.edge_vertices(e).map(image);
-            let found = mesh.outgoing(a).find(|&h| mesh.tip(h) == b);
-            edges.push(found.ok_or(SolveError::NotSymmetric)?.edge());
-        }
-        Ok(Self { faces, edges })
+        let faces: Option<Vec<FaceId>> = faces.into_iter().collect();
+        Ok(Self { faces: faces.ok_or(SolveError::NotSymmetric)?, edges, quads })
     }
 
     /// Image of a face.
@@ -68,9 +94,18 @@ impl Mirror {
         self.faces[f.index()]
     }
 
-    /// Images of edges.
-    pub fn edges(&self, edges: &[EdgeId]) -> Vec<EdgeId> {
+    /// Images of edges, if all have one.
+    pub fn edges(&self, edges: &[EdgeId]) -> Option<Vec<EdgeId>> {
         edges.iter().map(|e| self.edges[e.index()]).collect()
+    }
+
+    /// Labels of faces, both of a quadrilateral that counts as a whole with that of the first.
+    pub fn whole_labels(&self, labels: &[u32]) -> Vec<u32> {
+        let mut whole = labels.to_vec();
+        for [f, g] in &self.quads {
+            whole[g.index()] = whole[f.index()];
+        }
+        whole
     }
 
     /// The coarsest labels that refine the given ones and that the symmetry maps to each other: pairs of a face's label and that of its image.

@@ -4,6 +4,7 @@ use super::flow::MergeFlow;
 use super::mirror::same_edges;
 use super::state::MergePhase;
 use super::ways::{GROUND, Offer, Tried};
+use crate::mesh::FaceId;
 
 /// What a few trials led to.
 pub(super) enum Advance {
@@ -16,31 +17,34 @@ pub(super) enum Advance {
 
 impl MergeFlow {
     /// Merges a pair and its image along the very images of what is removed and cut, or neither. Gives whether it did.
-    fn merge_images(&mut self, pair: [u32; 2], offer: Offer) -> bool {
+    pub(super) fn merge_images(&mut self, pair: [u32; 2], offer: Offer, is_forced: bool) -> bool {
         let Some(mirror) = &self.mirror else {
-            self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
+            self.merge(pair, &offer.removed, &offer.darts, offer.map, is_forced);
             return true;
         };
-        let (removed, darts) = (mirror.edges(&offer.removed), mirror.edges(&offer.darts));
-        let image = pair.map(|i| self.image_of(i));
+        let images = [&offer.removed, &offer.darts].map(|edges| mirror.edges(edges));
+        let [Some(removed), Some(darts)] = images else { return false };
+        let [Some(p), Some(q)] = pair.map(|i| self.image_of(i)) else { return false };
+        let image = [p, q];
         if image == pair || image == [pair[1], pair[0]] {
             let is_own = same_edges(&removed, &offer.removed) && same_edges(&darts, &offer.darts);
             if is_own {
-                self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
+                self.merge(pair, &offer.removed, &offer.darts, offer.map, is_forced);
             }
             return is_own;
         }
         let saved = (self.members.clone(), self.between.clone(), self.ways.clone());
         let waiting = (self.queue.clone(), self.pending.clone(), self.member_of_chart.clone());
         let (first_removed, first_darts) = (offer.removed.clone(), offer.darts.clone());
-        self.merge(pair, &offer.removed, &offer.darts, offer.map, false);
+        self.merge(pair, &offer.removed, &offer.darts, offer.map, is_forced);
         // Where the two share a patch, it is now part of the first one's union.
         let image = image.map(|i| if pair.contains(&i) { pair[0] } else { i });
         let image = [image[0].min(image[1]), image[0].max(image[1])];
-        if self.may_join(image)
-            && let Some(map) = self.try_exactly(image, &removed, &darts)
+        let limits = if is_forced { self.no_limits() } else { self.limits() };
+        if (is_forced || self.may_join(image))
+            && let Some(map) = self.try_exactly(image, &removed, &darts, &limits)
         {
-            self.merge(image, &removed, &darts, map, false);
+            self.merge(image, &removed, &darts, map, is_forced);
             return true;
         }
         first_darts.iter().for_each(|&e| self.bench.set_cut(e, false));
@@ -51,13 +55,20 @@ impl MergeFlow {
         false
     }
 
-    /// The patch on the other side of the symmetry.
-    pub(super) fn image_of(&self, patch: u32) -> u32 {
+    /// The patch of the images of all faces of a patch, itself without a symmetry. `None` where they make no patch: charts that were divided
+    /// further than their images.
+    pub(super) fn image_of(&self, patch: u32) -> Option<u32> {
         let (Some(mirror), Some(member)) = (&self.mirror, &self.members[patch as usize]) else {
-            return patch;
+            return Some(patch);
         };
-        let face = mirror.face(member.faces[0]);
-        self.member_of_chart[self.face_charts[face.index()] as usize]
+        let holder =
+            |f: &FaceId| self.member_of_chart[self.face_charts[mirror.face(*f).index()] as usize];
+        let image = holder(&member.faces[0]);
+        let is_whole = self.members[image as usize]
+            .as_ref()
+            .is_some_and(|other| other.faces.len() == member.faces.len())
+            && member.faces.iter().all(|f| holder(f) == image);
+        is_whole.then_some(image)
     }
 
     /// Trials until a step is full or the best merge is known; then that.
@@ -87,7 +98,7 @@ impl MergeFlow {
             let slot = self.ways.get_mut(&pair).and_then(|ways| ways[index as usize].take());
             let Some(mut way) = slot else { continue };
             if let Some(offer) = way.offer {
-                if self.merge_images(pair, offer) {
+                if self.merge_images(pair, offer, false) {
                     return Advance::Merged;
                 }
                 continue;
@@ -142,7 +153,7 @@ impl MergeFlow {
             }
             let edges = self.curves[curve as usize].edges.clone();
             if let Tried::Passed(offer) = self.try_way(pair, &edges, f64::INFINITY, false)
-                && self.merge_images(pair, offer)
+                && self.merge_images(pair, offer, false)
             {
                 self.picture();
                 return;

@@ -139,6 +139,7 @@ impl MergeFlow {
         pair: [u32; 2],
         removed: &[EdgeId],
         darts: &[EdgeId],
+        limits: &Limits,
     ) -> Option<Map> {
         if removed.iter().any(|e| self.bench.is_kept[e.index()]) {
             return None;
@@ -147,7 +148,7 @@ impl MergeFlow {
         let is_whole = |e: &&EdgeId| !self.bench.is_cut()[e.index()];
         let cut: Vec<EdgeId> = darts.iter().filter(is_whole).copied().collect();
         cut.iter().for_each(|&e| self.bench.set_cut(e, true));
-        let found = self.bench.flatten(&self.joined_faces(pair), &self.limits());
+        let found = self.bench.flatten(&self.joined_faces(pair), limits);
         cut.iter().for_each(|&e| self.bench.set_cut(e, false));
         gone.iter().for_each(|&e| self.bench.set_cut(e, true));
         found.ok()

@@ -330,6 +330,7 @@ impl Session {
         events.push(self.parameters());
         events.push(self.presets());
         events.push(self.paint_channels());
+        events.push(self.symmetries());
         events.push(self.fields());
         self.push_energy(events);
         if self.method() == Method::Cones {

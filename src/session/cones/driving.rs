@@ -38,11 +38,10 @@ impl Session {
         self.work.as_ref().is_some_and(is_due)
     }
 
-    /// Whether it has, or the charts are not those of its cones.
-    pub(in super::super) fn are_cones_unsolved(&self) -> bool {
-        let work = self.work.as_ref();
-        self.are_cones_due()
-            || (self.cones_have_work() && work.is_some_and(|work| self.is_settling_due(work)))
+    /// Whether it has none, and the charts are not those of its cones.
+    pub(in super::super) fn are_charts_due(&self) -> bool {
+        let is_due = |work| self.is_settling_due(work);
+        self.cones_have_work() && !self.are_cones_due() && self.work.as_ref().is_some_and(is_due)
     }
 
     /// Whether charts are to be made. While a slider is held the next move comes soon, and would wait for them.
@@ -56,8 +55,13 @@ impl Session {
         events: &mut Vec<Event>,
     ) -> Result<(), Problem> {
         if self.are_cones_due() {
-            self.log.round();
-            return self.cones_round(events);
+            let result = self.cones_round(events);
+            if self.are_cones_due() || result.is_err() {
+                self.log.round();
+            } else {
+                self.log.solved();
+            }
+            return result;
         }
         if self.work.as_ref().is_some_and(|work| self.is_settling_due(work)) {
             self.settle(events);
@@ -65,7 +69,7 @@ impl Session {
             if let Some(work) = &mut self.work {
                 work.is_settled = true;
             }
-            self.log.solved();
+            self.log.laid_out();
             return Ok(());
         }
         let Some(work) = &mut self.work else { return Ok(()) };

@@ -33,7 +33,7 @@ impl Session {
             }
             None => {
                 if work.cones.flow().is_none() {
-                    // Undo led to another mesh. Where there can be no solver at all, the solution says why.
+                    // Nothing was solved yet. Where there can be no solver at all, the solution says why.
                     let (settings, layers) = (work.settings.clone(), work.layers.clone());
                     let _ = work.cones.prepare(&document, &settings, &layers);
                 }

@@ -127,9 +127,9 @@ pub enum Command {
     },
     /// Looks for mirror planes and axes.
     FindSymmetries,
-    /// Keeps the cut symmetric.
+    /// Keeps the cut symmetric, or developable patches while that method is at work.
     SetSymmetry {
-        /// Identifiers of those that are wanted; none sets the cut free.
+        /// Identifiers of those that are wanted; none sets cut or patches free.
         ids: Vec<String>,
     },
     /// Rebuilds the surface from the flat pieces.

@@ -139,10 +139,8 @@ pub enum Event {
     },
     /// Symmetries of the surface.
     Symmetries {
-        /// Whether the method at work keeps any.
-        is_offered: bool,
-        /// Whether it keeps one at a time.
-        is_single: bool,
+        /// What the method at work uses them for: `cut` keeps any, `patches` keep one at a time, `pairs` are shown, `nothing`.
+        serves: &'static str,
         /// Whether anybody has looked.
         is_searched: bool,
         /// What was found, the most exact first.

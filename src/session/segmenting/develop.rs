@@ -276,6 +276,9 @@ impl Segmentation for Developable {
         if plan.smooths {
             notes.push("Limits were tested on the surface with smooth seams; the measures are those of the surface itself.".to_owned());
         }
+        if !plan.symmetry.ids.is_empty() && plan.merge.improvements > 0 {
+            notes.push("With a symmetry pieces are not improved one by one: there may be more of them than without.".to_owned());
+        }
         if state.splits > 0 {
             let times =
                 if state.splits == 1 { "once".into() } else { format!("{} times", state.splits) };
