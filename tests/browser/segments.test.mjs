@@ -115,4 +115,26 @@ describe("segmentations", { timeout: 600_000 }, () => {
     await page.until("the pieces from before", pieces, (count) => count === before);
     assert.match(await browser.page.getByRole("button", { name: "Redo" }).getAttribute("title"), /keep two pieces apart/);
   });
+
+  it("merges pieces in both images of the mirror plane that is ticked, one at a time", async () => {
+    const section = browser.page.locator("#settings details", { has: browser.page.locator(".symmetry") });
+    if (!(await section.evaluate((node) => node.open))) await section.locator("summary").click();
+    assert.match(await section.locator(".symmetry .fine").textContent(), /pieces can be merged in both images/);
+    await section.getByRole("button", { name: /^(Find symmetries|Search again)$/ }).click();
+    const boxes = browser.page.getByRole("list", { name: "Symmetries" }).getByRole("checkbox");
+    await page.until("mirror planes are found", () => boxes.count(), (count) => count >= 3);
+    for (const i of [0, 1]) {
+      await boxes.nth(i).check();
+      await resting();
+      const ticked = await boxes.evaluateAll((list) => list.map((box) => box.checked).indexOf(true));
+      assert.equal(ticked, i);
+      assert.equal(await boxes.evaluateAll((list) => list.filter((box) => box.checked).length), 1);
+    }
+    await screenshot(browser.page, "developable-symmetry");
+    const report = JSON.parse(await page.export("Report (JSON)"));
+    assert.equal(report.develop.symmetry.length, 1);
+    // The cut flow has symmetries of its own.
+    await tab("Cut flow").click();
+    await page.until("its own boxes", () => boxes.evaluateAll((list) => list.filter((box) => box.checked).length), (count) => count === 0);
+  });
 });
