@@ -47,6 +47,13 @@ export class Page {
     return this.page.getByRole("button", { name, exact: true }).evaluate((button) => button.click());
   }
 
+  /** Runs, and pauses once the status line says something. The page itself presses both: a small mesh is cut before word of it is here and back. */
+  async runUntil(pattern) {
+    const [first, then] = await Promise.all(["Run", "Pause"].map((name) => this.page.getByRole("button", { name, exact: true }).elementHandle()));
+    const { match, text } = await this.page.evaluate(watchStatus, { source: pattern.source, flags: pattern.flags, patience: PATIENCE_MS, first, then });
+    if (!match) throw new Error(`the status line says “${text}” and never ${pattern}`);
+  }
+
   canvas(label) {
     return this.page.getByLabel(label, { exact: true });
   }
@@ -169,7 +176,7 @@ export class Page {
 }
 
 /** Runs in the page: gives the first status line that matches, or what it says when patience ends. */
-function watchStatus({ source, flags, patience }) {
+function watchStatus({ source, flags, patience, first = null, then = null }) {
   const line = document.querySelector("[role=status]");
   const pattern = new RegExp(source, flags);
   return new Promise((resolve) => {
@@ -182,9 +189,12 @@ function watchStatus({ source, flags, patience }) {
     }
     function look() {
       const match = pattern.exec(line.textContent.trim());
-      if (match) end(match);
+      if (!match) return;
+      then?.click();
+      end(match);
     }
     observer.observe(line, { childList: true, characterData: true, subtree: true });
+    first?.click();
     look();
   });
 }

@@ -89,9 +89,7 @@ for (const renderer of RENDERERS) {
     });
 
     it("runs, and pauses where it is told to", async () => {
-      await page.press("Run");
-      await page.status(/^Running step ([3-9]|\d\d)/);
-      await page.pressAtOnce("Pause");
+      await page.runUntil(/^Running step ([3-9]|\d\d)/);
       const [, step] = await page.status(/^Paused at step (\d+)/);
       await page.page.waitForTimeout(500);
       await page.status(new RegExp(`^Paused at step ${step}\\b`));
