@@ -436,3 +436,14 @@ fn margins_that_take_up_the_whole_texture_are_refused() {
     let one = pack_uv(&shapes[..1], &UvPackParams { pixels: 16, margin_px: 2, ..params }).unwrap();
     assert!((one.scale - 14.0 / 16.0).abs() < 0.02, "{}", one.scale);
 }
+
+/// What a digit too many in one coordinate makes of three charts. A stock as narrow as they are wide has rows without end.
+#[test]
+fn needles_of_a_million_millions_are_packed_on_few_rows() {
+    let needles = [[1.8e12, 0.7], [3.6e12, 0.4], [1.8e12, 0.07]];
+    let shapes = needles.map(|[long, wide]| shape(rectangle(long, wide)));
+    let params = UvPackParams { pixels: 1024, margin_px: 8, steps: 0, seed: 0 };
+    // That it comes to an end is what is tested: it took hours.
+    let packing = pack_uv(&shapes, &params).unwrap();
+    assert!(packing.scale > 0.0 && packing.scale < 1e-12, "{}", packing.scale);
+}

@@ -200,9 +200,10 @@ impl NestFlow {
         let fits = self.laid.parts.iter().flat_map(|part| &part.fits);
         let longest = fits.flat_map(|fit| fit.size()).fold(0.0, f64::max);
         // Needles stand as high as they are long in some of their turns, whatever their area says: at each place all rows of
-        // their mask may be asked.
+        // their mask may be asked. There is one place in each row at least, however narrow the stock.
         let tall = if longest > NEEDLE * (area / count).sqrt() {
-            (turns as f64 * width * longest * longest / NEEDLE_ROWS).cbrt()
+            let turns = turns as f64 / NEEDLE_ROWS;
+            (turns * width * longest * longest).cbrt().max(longest * turns.sqrt())
         } else {
             0.0
         };
