@@ -148,13 +148,10 @@ impl Log {
     /// The step that was made last was a round of the solver of cones.
     pub fn round(&mut self) {
         self.take_back_step();
-        let rounds = self.rounds + 1;
         if self.steps > 0 {
             self.close_steps();
-            self.rounds = 1;
-        } else {
-            self.rounds = rounds;
         }
+        self.rounds += 1;
     }
 
     /// The step that was made last was the last round of the solver of cones.

@@ -65,9 +65,9 @@ impl Session {
     pub(super) fn symmetries(&self) -> Event {
         let found = self.work.as_ref().and_then(|work| work.symmetries.clone());
         let kept = self.work.as_ref().map_or(&[][..], Work::kept_symmetries);
-        let is_for_patches = self.method() == Method::Developable;
+        let method = self.method();
         let options = named(found.as_deref().map_or(&[], Vec::as_slice))
-            .filter(|(.., symmetry)| !is_for_patches || has_order_two(symmetry))
+            .filter(|(.., symmetry)| is_of_use(method, symmetry))
             .map(|(id, label, symmetry)| SymmetryChoice {
                 on: kept.contains(&id),
                 deviation: symmetry.deviation,
@@ -75,7 +75,7 @@ impl Session {
                 label,
             })
             .collect();
-        let serves = match self.method() {
+        let serves = match method {
             Method::CutFlow => "cut",
             Method::Cones => "pairs",
             Method::Developable => "patches",
@@ -130,10 +130,8 @@ impl Work {
         let mut chosen = Vec::new();
         for id in ids {
             let Some((.., symmetry)) = named(&found).find(|(known, ..)| known == id) else {
-                let is_for_patches = self.method == Method::Developable;
-                let fits = |s: &Symmetry| !is_for_patches || has_order_two(s);
-                let known: Vec<String> =
-                    named(&found).filter(|(.., s)| fits(s)).map(|(id, ..)| id).collect();
+                let known = named(&found).filter(|(.., s)| is_of_use(self.method, s));
+                let known: Vec<String> = known.map(|(id, ..)| id).collect();
                 return Err(self.refused(
                     format!("The surface has no symmetry “{id}”."),
                     match known.is_empty() {
@@ -174,12 +172,12 @@ impl Work {
             let (corners, weights) = map.image(v);
             corners[(0..3).max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or(0)]
         };
-        // Of a mirror plane itself, of an axis its half turn.
         let images = |map: &SymmetryMap| -> Vec<VertexId> {
             mesh.vertices().map(|v| nearest(map, v)).collect()
         };
-        let found = group.iter().filter(|map| is_own_inverse(&map.matrix)).map(images).next();
-        let Some(vertices) = found else {
+        // Of a mirror plane itself, of an axis its half turn.
+        let kept = group.iter().find(|map| is_own_inverse(&map.matrix));
+        let Some(vertices) = kept.map(images) else {
             return Err(self.refused(
                 "Developable patches keep mirror planes and half turns, and this axis has none.",
                 "Choose a mirror plane, or an axis of even order.",
@@ -199,11 +197,13 @@ impl Work {
     }
 }
 
-/// Whether a mirror plane, or an axis that has a half turn among its turns.
-fn has_order_two(symmetry: &Symmetry) -> bool {
-    match symmetry.kind {
-        SymmetryKind::Mirror => true,
-        SymmetryKind::Rotation { order } => order % 2 == 0,
+/// Whether a method has a use for a symmetry: cones have partners across a plane, patches keep planes and half turns.
+fn is_of_use(method: Method, symmetry: &Symmetry) -> bool {
+    match (method, symmetry.kind) {
+        (_, SymmetryKind::Mirror) => true,
+        (Method::Cones, _) => false,
+        (Method::Developable, SymmetryKind::Rotation { order }) => order % 2 == 0,
+        (Method::CutFlow | Method::PhaseField, _) => true,
     }
 }
 

@@ -17,7 +17,7 @@ const WORDS = {
   },
   pairs: {
     before: "Mirror planes of the surface: the table then names each cone's partner.",
-    none: "None found: no mirror plane or axis takes this surface to itself.",
+    none: "None found: no mirror plane takes this surface to itself.",
     found: "The table of cones names the partners.",
   },
 };

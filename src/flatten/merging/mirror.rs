@@ -86,7 +86,11 @@ impl Mirror {
             quads.push(own);
         }
         let faces: Option<Vec<FaceId>> = faces.into_iter().collect();
-        Ok(Self { faces: faces.ok_or(SolveError::NotSymmetric)?, edges, quads })
+        let is_involution = |faces: &Vec<FaceId>| {
+            faces.iter().enumerate().all(|(f, image)| faces[image.index()].index() == f)
+        };
+        let faces = faces.filter(is_involution).ok_or(SolveError::NotSymmetric)?;
+        Ok(Self { faces, edges, quads })
     }
 
     /// Image of a face.
