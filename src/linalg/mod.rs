@@ -194,6 +194,14 @@ impl Analysis {
         Self::with(pattern, SymmetricOrdering::Custom(order))
     }
 
+    /// Analyses a pattern whose rows are in a good order already.
+    pub fn in_place(pattern: Pattern) -> Result<Self, LinalgError> {
+        // As an order like any other: faer's `Identity` takes the lower triangle for the upper one.
+        let natural: Vec<u32> = (0..pattern.size as u32).collect();
+        let order = PermRef::new_checked(&natural, &natural, pattern.size);
+        Self::with(pattern, SymmetricOrdering::Custom(order))
+    }
+
     fn with(pattern: Pattern, order: SymmetricOrdering<'_, u32>) -> Result<Self, LinalgError> {
         let symbolic = factorize_symbolic_cholesky(
             pattern.symbolic(),
@@ -241,6 +249,13 @@ impl Analysis {
 pub struct Elimination {
     /// The row that comes at each place, and the place of each row.
     arrays: Arc<[Vec<u32>; 2]>,
+}
+
+impl Elimination {
+    /// When each row is eliminated.
+    pub fn places(&self) -> &[u32] {
+        &self.arrays[1]
+    }
 }
 
 /// A numeric Cholesky factor and the memory to compute it again and again.

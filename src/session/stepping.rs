@@ -85,6 +85,7 @@ impl Session {
             && work.pending == Pending::None
             && work.method != Method::Cones
             && !work.is_settled
+            && !work.has_first_pieces_only()
         {
             self.settle(events);
         }
@@ -174,6 +175,11 @@ impl Session {
             // Nothing was divided: there is a reason, which was told.
             work.layout = None;
             events.push(work.measures());
+            self.scene_is_new = true;
+            return;
+        }
+        if work.has_first_pieces_only() && !work.is_settled {
+            // They are far from flat: to part them until nothing overlaps takes long, and is done for those who want a file.
             self.scene_is_new = true;
             return;
         }

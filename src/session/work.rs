@@ -418,6 +418,12 @@ impl Work {
         self.refinement = None;
     }
 
+    /// Whether the cut is that of developable pieces whose first borders are still being found.
+    pub fn has_first_pieces_only(&self) -> bool {
+        let is_first = self.develop.stage() == Some("vsa");
+        self.method == Method::Developable && self.given.is_none() && is_first
+    }
+
     pub fn settle(&mut self) -> Result<(), Problem> {
         let surface = self.document.surface()?;
         if self.method == Method::Cones {

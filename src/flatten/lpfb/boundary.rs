@@ -17,6 +17,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Point2;
 
+use crate::flatten::small;
 use crate::linalg::dot;
 use crate::methods::flow::Status;
 
@@ -28,6 +29,9 @@ const ITERATIONS: usize = 200;
 
 /// A polygon that is not closed to this (mean side lengths) when iterations end does not exist as far as the method can tell.
 const OPEN: f64 = 1e-6;
+
+/// Largest change of an angle (radians) from which on it is asked whether what there is is enough: after 5 of 12 iterations.
+const ROUGH: f64 = 1e-3;
 
 /// Side of a virtual cut, which belongs to no loop.
 pub const NO_LOOP: u32 = u32::MAX;
@@ -64,6 +68,8 @@ pub struct BoundarySolver {
     step: Vec<f64>,
     /// Sine and cosine of the direction of every side that belongs to a loop, at the angles that constraints were found for last.
     directions: Vec<[f64; 2]>,
+    /// The angles that these belong to; NaN where they are to be found anew.
+    turned: Vec<f64>,
     /// Values of the constraints.
     values: Vec<f64>,
     /// The rows of the loops, two each, one after the other.
@@ -79,7 +85,7 @@ pub struct BoundarySolver {
 /// How a boundary problem ended, and how good its solution is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundaryOutcome {
-    /// `Converged`; `Infeasible` where no such polygon was found; `Stalled` where it is closed but not proved the nearest.
+    /// `Converged`; `Running` where what there was was enough; `Infeasible` where no such polygon was found; `Stalled` where it is closed but not proved the nearest.
     pub status: Status,
     /// Iterations done.
     pub iterations: usize,
@@ -111,6 +117,7 @@ impl BoundarySolver {
             trial: vec![0.0; n],
             step: vec![0.0; n + 1],
             directions: vec![[0.0; 2]; n],
+            turned: vec![f64::NAN; n],
             values: vec![0.0; rows],
             trig: vec![0.0; 2 * problem.loop_count * n],
             prefix: vec![0.0; n + 1],
@@ -147,11 +154,18 @@ impl BoundarySolver {
 
     /// Iterates until the angles stand still. **Costs** O(n) for each loop and iteration.
     pub fn solve(&mut self) -> BoundaryOutcome {
-        self.solve_within(ITERATIONS)
+        self.solve_until(ITERATIONS, |_, _| false)
     }
 
-    /// [`BoundarySolver::solve`] with so many iterations at most, for those who only want what is easy to close.
-    pub fn solve_within(&mut self, iterations: usize) -> BoundaryOutcome {
+    /// [`BoundarySolver::solve`] for those who want only what is easy to close, and not all of that.
+    ///
+    /// **Takes** the most iterations, and what is asked once angles change by [`ROUGH`] at most: with the largest change (radians) and the signed area that is
+    /// enclosed so far (squared lengths) whether that is enough. The outcome is `Running` then.
+    pub fn solve_until(
+        &mut self,
+        iterations: usize,
+        is_enough: impl Fn(f64, f64) -> bool,
+    ) -> BoundaryOutcome {
         if self.outcome.status != Status::Running {
             return self.outcome;
         }
@@ -167,6 +181,9 @@ impl BoundarySolver {
             if !largest.is_finite() {
                 self.outcome.status = Status::Infeasible;
                 break;
+            }
+            if largest <= ROUGH && is_enough(largest, self.enclosed_area()) {
+                return self.outcome;
             }
             let strongest = self.multipliers.iter().fold(0.0f64, |m, x| m.max(x.abs()));
             penalty = penalty.max(2.0 * strongest);
@@ -186,6 +203,8 @@ impl BoundarySolver {
                 break;
             }
         }
+        // What is certified carries none of the rounding of earlier turns.
+        self.turned.fill(f64::NAN);
         self.linearise();
         self.conclude();
         self.outcome
@@ -208,6 +227,21 @@ impl BoundarySolver {
             at.y += l * self.scale * sin;
         }
         places
+    }
+
+    /// By the directions that constraints were found for last: each loop for itself, as far as it is closed.
+    fn enclosed_area(&self) -> f64 {
+        let mut doubled = 0.0;
+        for of in 0..small((self.rows - self.linear) / 2) {
+            let (mut x, mut y) = (0.0, 0.0);
+            for (k, l) in self.lengths.iter().enumerate().filter(|(k, _)| self.loops[*k] == of) {
+                let [sin, cos] = self.directions[k];
+                let (to_x, to_y) = (x + l * cos, y + l * sin);
+                doubled += x * to_y - y * to_x;
+                (x, y) = (to_x, to_y);
+            }
+        }
+        0.5 * doubled * self.scale * self.scale
     }
 
     fn conclude(&mut self) {
@@ -257,8 +291,8 @@ impl BoundarySolver {
             self.prefix[k + 1] = phi;
             let of = self.loops[k] as usize;
             if of < loop_count {
-                let (sin, cos) = phi.sin_cos();
-                self.directions[k] = [sin, cos];
+                let [sin, cos] = turn(self.directions[k], phi - self.turned[k], phi);
+                (self.directions[k], self.turned[k]) = ([sin, cos], phi);
                 self.values[self.linear + 2 * of] += self.lengths[k] * cos;
                 self.values[self.linear + 2 * of + 1] += self.lengths[k] * sin;
             }
@@ -388,6 +422,23 @@ impl BoundarySolver {
             length *= 0.5;
         }
         false
+    }
+}
+
+/// Sine and cosine of `phi` from those of an angle that is less by `by`: by their series to rounding where that is little, which is most of the time.
+fn turn([sin, cos]: [f64; 2], by: f64, phi: f64) -> [f64; 2] {
+    if by.abs() <= 0.125 {
+        let x = by * by;
+        let s = by
+            * (1.0
+                - x / 6.0
+                    * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0 * (1.0 - x / 110.0)))));
+        let c = 1.0
+            - x / 2.0 * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0))));
+        [sin * c + cos * s, cos * c - sin * s]
+    } else {
+        let (sin, cos) = phi.sin_cos();
+        [sin, cos]
     }
 }
 

@@ -40,11 +40,14 @@ pub struct Stiffness {
     edges: Vec<f64>,
     /// Each side of each face laid into the plane, the first along the x axis, times half the cotangent opposite.
     pulls: Vec<[Complex<f64>; 3]>,
+    /// When each vertex is eliminated from the whole surface; patches keep that order. What fills in there fills in here at most, because all
+    /// paths within a patch are paths on the surface.
+    places: Vec<u32>,
 }
 
 impl Stiffness {
-    /// **Costs** O(F).
-    pub fn new(mesh: &Mesh, geometry: &Geometry) -> Self {
+    /// **Fails** for lack of memory. **Costs** O(F), and the ordering of one factorisation.
+    pub fn new(mesh: &Mesh, geometry: &Geometry) -> Result<Self, LinalgError> {
         let mut edges = vec![0.0; mesh.edge_count()];
         let mut pulls = Vec::with_capacity(mesh.face_count());
         for f in mesh.faces() {
@@ -59,7 +62,11 @@ impl Stiffness {
             let rest = [first, -third - first, third];
             pulls.push([0, 1, 2].map(|i| rest[i] * weights[i]));
         }
-        Self { edges, pulls }
+        let pairs: Vec<[u32; 2]> =
+            mesh.edges().map(|e| mesh.edge_vertices(e).map(|v| v.0)).collect();
+        let (pattern, _) = Pattern::new(mesh.vertex_count(), &pairs);
+        let places = Analysis::new(pattern)?.order().places().to_vec();
+        Ok(Self { edges, pulls, places })
     }
 }
 
@@ -79,20 +86,22 @@ pub struct InteriorSystem<'a> {
 }
 
 impl<'a> InteriorSystem<'a> {
-    /// Assembles and factors. **Costs** one analysis and one factorisation of as many rows as there are vertices off the rim.
+    /// Assembles and factors. **Costs** one factorisation of as many rows as there are vertices off the rim, without an ordering.
     pub fn new(
         patch: &'a Patch,
         mesh: &'a Mesh,
         geometry: &'a Geometry,
         stiffness: &'a Stiffness,
     ) -> Result<Self, LinalgError> {
+        let mut order: Vec<(u32, u32)> = (0..small(patch.vertices.len()))
+            .filter(|&v| !patch.is_rim[v as usize])
+            .map(|v| (stiffness.places[patch.vertices[v as usize].index()], v))
+            .collect();
+        order.sort_unstable();
+        let count = order.len();
         let mut rows = vec![NONE; patch.vertices.len()];
-        let mut count = 0;
-        for (row, is_rim) in rows.iter_mut().zip(&patch.is_rim) {
-            if !is_rim {
-                *row = small(count);
-                count += 1;
-            }
+        for (row, &(_, v)) in order.iter().enumerate() {
+            rows[v as usize] = small(row);
         }
         let mut at_rim = Vec::new();
         let (mut factor, mut kept) = (None, Vec::new());
@@ -128,7 +137,7 @@ impl<'a> InteriorSystem<'a> {
             for (row, weight) in diagonal.into_iter().enumerate() {
                 values[pattern.diagonal(row)] = weight;
             }
-            factor = Some(Factor::new(Arc::new(Analysis::new(pattern)?), &values)?);
+            factor = Some(Factor::new(Arc::new(Analysis::in_place(pattern)?), &values)?);
             kept = values;
         }
         Ok(Self {

@@ -25,7 +25,7 @@ use crate::mesh::{FaceId, HalfedgeId, OpenedMesh};
 use crate::methods::flow::Status;
 
 use boundary::{BoundaryOutcome, BoundarySolver};
-use patch::{Opener, Outline, Patch};
+use patch::{Opener, Patch};
 
 /// What became of one patch, with the proofs that its boundary is what it should be.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,14 +83,18 @@ pub fn lpfb_with(
     let mut charts = Vec::with_capacity(groups.len());
     let mut reports = Vec::with_capacity(groups.len());
     for faces in &groups {
-        let patch = opener.open(mesh, geometry, faces, &no_cut);
-        let outline = opener.outline(mesh, geometry, &no_cut, &patch);
+        let rims = opener.rims(mesh, geometry, faces, &no_cut);
+        let mut outline = opener.outline(mesh, geometry, &no_cut, &rims);
+        let patch = opener.fill(mesh, faces, &no_cut, rims);
+        outline.iter_mut().for_each(|outline| opener.name(outline));
         let mut report = LpfbReport::new(&patch);
-        let chart = match &outline {
+        let chart = match outline.as_ref().filter(|_| patch.is_opened_by_virtual_cuts()) {
             None => Err(not_a_disk(&patch)),
             Some(outline) => {
                 report.virtual_edges = outline.problem.cuts.len();
-                let (outcome, rim) = solve_boundary(outline, patch.vertices.len(), None);
+                let mut solver = BoundarySolver::new(&outline.problem);
+                let outcome = solver.solve();
+                let rim = outline.spread(&solver.places(), patch.vertices.len());
                 report.boundary = Some(outcome);
                 if outcome.status == Status::Infeasible {
                     Err(NoChart::NotConverged { angle_error: outcome.angle_error })
@@ -137,29 +141,6 @@ pub fn lpfb_with(
 /// Why a patch that virtual cuts cannot open has no chart.
 fn not_a_disk(patch: &Patch) -> NoChart {
     NoChart::NotADisk { euler: patch.euler, boundary_loops: patch.loops.len() }
-}
-
-/// Solves for the outline of a patch. **Gives** places of all its vertices, those off the rim and off virtual cuts NaN.
-///
-/// **Takes** the most iterations; none for as many as it takes.
-pub fn solve_boundary(
-    outline: &Outline,
-    vertices: usize,
-    iterations: Option<usize>,
-) -> (BoundaryOutcome, Vec<Point2<f64>>) {
-    let mut solver = BoundarySolver::new(&outline.problem);
-    let outcome = match iterations {
-        Some(most) => solver.solve_within(most),
-        None => solver.solve(),
-    };
-    let mut places = vec![Point2::new(f64::NAN, f64::NAN); vertices];
-    for (&v, place) in outline.vertices.iter().zip(solver.places()) {
-        // Vertices of virtual cuts are met twice, to rounding at the same place: the first counts.
-        if !places[v as usize].x.is_finite() {
-            places[v as usize] = place;
-        }
-    }
-    (outcome, places)
 }
 
 impl LpfbReport {

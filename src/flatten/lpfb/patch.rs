@@ -1,6 +1,9 @@
 //! A part of a surface, opened along cut edges: what one chart is made from.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
+
+use nalgebra::Point2;
 
 use crate::flatten::small;
 use crate::geometry::Geometry;
@@ -32,7 +35,7 @@ pub struct Patch {
 pub struct Outline {
     /// Sides in order.
     pub sides: Vec<HalfedgeId>,
-    /// Vertex of the patch where each side begins.
+    /// Vertex of the patch where each side begins, once the patch has been filled.
     pub vertices: Vec<u32>,
     /// What is to be solved.
     pub problem: BoundaryProblem,
@@ -46,10 +49,31 @@ pub struct Opener {
     /// For each halfedge the patch vertex at its tail, valid if `stamps` says so.
     corner_vertices: Vec<u32>,
     stamps: Vec<u32>,
-    /// Rim halfedges that were walked, and virtual cuts.
+    /// Rim halfedges that were walked, and the number of each among all of them.
     walked: Vec<u32>,
+    rim_numbers: Vec<u32>,
+    /// Mesh vertices that lie on a rim.
+    rim_vertices: Vec<u32>,
+    /// Edges of virtual cuts, and the vertices off the rims that they lead through.
     virtual_cuts: Vec<u32>,
+    on_path: Vec<u32>,
+    /// The first corner at each mesh vertex, faces in order: the same however the surface is opened elsewhere.
+    first_corners: Vec<u32>,
+    paths: Paths,
 }
+
+/// Shortest ways so far to vertices off the rims.
+#[derive(Clone, Debug)]
+struct Paths {
+    round: u32,
+    stamps: Vec<u32>,
+    distances: Vec<f64>,
+    /// The side that leads there.
+    before: Vec<u32>,
+}
+
+/// The bits of a distance, which are ordered like it, the first corner of a vertex, and a side that begins there.
+type Step = Reverse<(u64, u32, HalfedgeId)>;
 
 const NONE: u32 = u32::MAX;
 
@@ -62,7 +86,20 @@ impl Opener {
             corner_vertices: vec![0; mesh.halfedge_count()],
             stamps: vec![0; mesh.halfedge_count()],
             walked: vec![0; mesh.halfedge_count()],
+            rim_numbers: vec![0; mesh.halfedge_count()],
+            rim_vertices: vec![0; mesh.vertex_count()],
             virtual_cuts: vec![0; mesh.edge_count()],
+            on_path: vec![0; mesh.vertex_count()],
+            first_corners: mesh
+                .vertices()
+                .map(|v| mesh.outgoing(v).map(|h| corner_at(mesh, h)).min().unwrap_or(NONE))
+                .collect(),
+            paths: Paths {
+                round: 0,
+                stamps: vec![0; mesh.vertex_count()],
+                distances: vec![0.0; mesh.vertex_count()],
+                before: vec![0; mesh.vertex_count()],
+            },
         }
     }
 
@@ -74,6 +111,18 @@ impl Opener {
         faces: &[FaceId],
         is_cut: &[bool],
     ) -> Patch {
+        let loops = self.rims(mesh, geometry, faces, is_cut);
+        self.fill(mesh, faces, is_cut, loops)
+    }
+
+    /// The rims of some faces along cut edges, the outer one first, and nothing of what lies inside. **Costs** O(F), a small part of [`Opener::open`].
+    pub fn rims(
+        &mut self,
+        mesh: &Mesh,
+        geometry: &Geometry,
+        faces: &[FaceId],
+        is_cut: &[bool],
+    ) -> Vec<Vec<HalfedgeId>> {
         if self.now == u32::MAX {
             *self = Self::new(mesh);
         }
@@ -81,7 +130,31 @@ impl Opener {
         for f in faces {
             self.face_stamps[f.index()] = self.now;
         }
-        let mut patch = Patch { faces: faces.to_vec(), ..Patch::default() };
+        let mut loops = Vec::new();
+        for &f in faces {
+            for h in mesh.face_halfedges(f) {
+                if self.is_border(mesh, h, is_cut) && self.walked[h.index()] != self.now {
+                    loops.push(self.walk(mesh, h, is_cut));
+                }
+            }
+        }
+        self.outer_first(mesh, geometry, is_cut, &mut loops);
+        for (number, h) in loops.iter().flatten().enumerate() {
+            self.rim_numbers[h.index()] = small(number);
+        }
+        loops
+    }
+
+    /// The patch whose rims were found last, from these faces and along this cut.
+    pub fn fill(
+        &mut self,
+        mesh: &Mesh,
+        faces: &[FaceId],
+        is_cut: &[bool],
+        loops: Vec<Vec<HalfedgeId>>,
+    ) -> Patch {
+        let rim_sides: usize = loops.iter().map(Vec::len).sum();
+        let mut patch = Patch { faces: faces.to_vec(), loops, ..Patch::default() };
         patch.corners.reserve(faces.len());
         for &f in faces {
             let sides = mesh.face_halfedges(f);
@@ -92,21 +165,8 @@ impl Opener {
             }
             patch.corners.push(sides.map(|h| self.corner_vertices[h.index()]));
         }
-        let mut rim_sides = 0;
-        for &f in faces {
-            for h in mesh.face_halfedges(f) {
-                if self.is_border(mesh, h, is_cut) {
-                    rim_sides += 1;
-                    if self.walked[h.index()] != self.now {
-                        let rim = self.walk(mesh, h, is_cut);
-                        patch.loops.push(rim);
-                    }
-                }
-            }
-        }
         let edges = (3 * faces.len() + rim_sides) / 2;
         patch.euler = patch.vertices.len() as i64 - edges as i64 + faces.len() as i64;
-        self.outer_first(mesh, geometry, is_cut, &mut patch);
         patch
     }
 
@@ -156,6 +216,7 @@ impl Opener {
         loop {
             rim.push(h);
             self.walked[h.index()] = self.now;
+            self.rim_vertices[mesh.tail(h).index()] = self.now;
             h = mesh.next(h);
             while !self.is_border(mesh, h, is_cut) {
                 h = mesh.next(h.twin());
@@ -167,8 +228,14 @@ impl Opener {
     }
 
     /// The outer loop is the one that turns most, and of those that turn alike the longest.
-    fn outer_first(&self, mesh: &Mesh, geometry: &Geometry, is_cut: &[bool], patch: &mut Patch) {
-        if patch.loops.len() < 2 {
+    fn outer_first(
+        &self,
+        mesh: &Mesh,
+        geometry: &Geometry,
+        is_cut: &[bool],
+        loops: &mut [Vec<HalfedgeId>],
+    ) {
+        if loops.len() < 2 {
             return;
         }
         let key = |rim: &Vec<HalfedgeId>| {
@@ -181,7 +248,7 @@ impl Opener {
             // To nine digits, so that rounding does not decide between loops that turn alike.
             ((turning * 1e9).round(), length)
         };
-        let keys: Vec<(f64, f64)> = patch.loops.iter().map(key).collect();
+        let keys: Vec<(f64, f64)> = loops.iter().map(key).collect();
         let mut outer = 0;
         for i in 1..keys.len() {
             let by = keys[i].0.total_cmp(&keys[outer].0).then(keys[i].1.total_cmp(&keys[outer].1));
@@ -189,37 +256,31 @@ impl Opener {
                 outer = i;
             }
         }
-        patch.loops.swap(0, outer);
+        loops.swap(0, outer);
     }
 
-    /// The walk around the patch that was opened last, along virtual cuts between its loops.
+    /// The walk around the patch whose rims were found last, along virtual cuts between them; its vertices have no numbers before [`Opener::name`].
     ///
-    /// Each loop is joined to those before it by the shortest path along inner edges. **Gives** none for a patch without loops, and
-    /// for one that virtual cuts do not make a disk. **Costs** O(n), and O(V log V) where there are several loops.
+    /// Rims are joined by shortest paths along inner edges, ties by the vertices' first corners. **Gives** none for a patch without
+    /// rims, and for one that does not hang together. **Costs** O(n), and where there are several rims what lies between them.
     pub fn outline(
         &mut self,
         mesh: &Mesh,
         geometry: &Geometry,
         is_cut: &[bool],
-        patch: &Patch,
+        rims: &[Vec<HalfedgeId>],
     ) -> Option<Outline> {
-        let loops = patch.loops.len();
-        if loops == 0 || patch.euler != 2 - loops as i64 {
-            return None;
+        let start = *rims.first()?.first()?;
+        let mut loop_of = Vec::new();
+        for (i, rim) in rims.iter().enumerate() {
+            loop_of.resize(loop_of.len() + rim.len(), small(i));
         }
-        let mut loop_of = vec![NO_LOOP; patch.vertices.len()];
-        for (i, rim) in patch.loops.iter().enumerate() {
-            for h in rim {
-                loop_of[self.corner_vertices[h.index()] as usize] = small(i);
-            }
-        }
-        if loops > 1 {
-            self.join_loops(mesh, geometry, patch, &mut loop_of)?;
+        if rims.len() > 1 {
+            self.join_rims(mesh, geometry, is_cut, rims, &loop_of)?;
         }
         let mut outline = Outline::default();
-        outline.problem.loop_count = loops;
+        outline.problem.loop_count = rims.len();
         let mut places = Vec::new();
-        let start = patch.loops[0][0];
         let mut h = start;
         loop {
             let is_virtual = !self.is_border(mesh, h, is_cut);
@@ -227,9 +288,8 @@ impl Opener {
                 places.push((h.edge(), small(outline.sides.len())));
             }
             outline.sides.push(h);
-            let vertex = self.corner_vertices[h.index()];
-            outline.vertices.push(vertex);
-            outline.problem.loops.push(if is_virtual { NO_LOOP } else { loop_of[vertex as usize] });
+            let of = if is_virtual { NO_LOOP } else { loop_of[self.rim_number(h)] };
+            outline.problem.loops.push(of);
             outline.problem.lengths.push(geometry.edge_length(h.edge()));
             let border = |g: HalfedgeId| {
                 self.is_border(mesh, g, is_cut) || self.virtual_cuts[g.edge().index()] == self.now
@@ -250,82 +310,123 @@ impl Opener {
         Some(outline)
     }
 
-    /// Edges of virtual cuts of the last outline, as halfedges of the walk.
-    pub fn is_virtual(&self, h: HalfedgeId) -> bool {
-        self.virtual_cuts[h.edge().index()] == self.now
+    /// Numbers the vertices of an outline as the patch has them that was filled last.
+    pub fn name(&self, outline: &mut Outline) {
+        outline.vertices = outline.sides.iter().map(|&h| self.vertex_at(h)).collect();
     }
 
-    /// Marks shortest paths that join all loops. A vertex on a path belongs to the loops joined so far.
-    fn join_loops(
+    fn rim_number(&self, h: HalfedgeId) -> usize {
+        self.rim_numbers[h.index()] as usize
+    }
+
+    /// The side of a rim that leaves the vertex where a side begins, in the same fan.
+    fn rim_side(&self, mesh: &Mesh, side: HalfedgeId, is_cut: &[bool]) -> HalfedgeId {
+        let mut h = side;
+        while !self.is_border(mesh, h, is_cut) {
+            h = mesh.next(h.twin());
+        }
+        h
+    }
+
+    /// The side that leaves a vertex next within the patch, counter-clockwise; none where the fan ends.
+    fn next_in_fan(&self, mesh: &Mesh, side: HalfedgeId, is_cut: &[bool]) -> Option<HalfedgeId> {
+        let back = mesh.prev(side);
+        (!self.is_border(mesh, back, is_cut)).then_some(back.twin())
+    }
+
+    /// Marks shortest paths that join all rims. A vertex on a path belongs to the rims joined so far.
+    ///
+    /// Paths are looked for from the rims that have yet to be joined: holes are shorter than what is about them, and less lies near them.
+    fn join_rims(
         &mut self,
         mesh: &Mesh,
         geometry: &Geometry,
-        patch: &Patch,
-        loop_of: &mut [u32],
+        is_cut: &[bool],
+        rims: &[Vec<HalfedgeId>],
+        loop_of: &[u32],
     ) -> Option<()> {
-        let count = patch.vertices.len();
-        // Inner edges at each vertex, as sides that leave it.
-        let mut starts = vec![0u32; count + 1];
-        let all = || patch.faces.iter().flat_map(|&f| mesh.face_halfedges(f));
-        for h in all() {
-            starts[self.corner_vertices[h.index()] as usize + 1] += 1;
-        }
-        for v in 0..count {
-            starts[v + 1] += starts[v];
-        }
-        let mut leaving = vec![HalfedgeId::default(); starts[count] as usize];
-        let mut next = starts.clone();
-        for h in all() {
-            let slot = &mut next[self.corner_vertices[h.index()] as usize];
-            leaving[*slot as usize] = h;
-            *slot += 1;
-        }
-        let mut is_joined = vec![false; patch.loops.len()];
+        let sides: Vec<HalfedgeId> = rims.iter().flatten().copied().collect();
+        let mut is_joined = vec![false; rims.len()];
         is_joined[0] = true;
-        let mut on_path = vec![false; count];
-        for _ in 1..patch.loops.len() {
-            let mut distance = vec![f64::INFINITY; count];
-            let mut before = vec![NONE; count];
+        for _ in 1..rims.len() {
+            self.paths.begin();
+            let mut rim_paths = vec![(f64::INFINITY, NONE); sides.len()];
             let mut queue = BinaryHeap::new();
-            for v in 0..count {
-                let of = loop_of[v];
-                if on_path[v] || (of != NO_LOOP && is_joined[of as usize]) {
-                    distance[v] = 0.0;
-                    queue.push(Nearest { distance: 0.0, vertex: small(v) });
+            for (i, &h) in sides.iter().enumerate() {
+                if !is_joined[loop_of[i] as usize] {
+                    rim_paths[i].0 = 0.0;
+                    queue.push(self.step_to(mesh, h, is_cut, 0.0));
                 }
             }
+            // The side by which a path meets what is joined.
             let mut found = None;
-            while let Some(Nearest { distance: d, vertex }) = queue.pop() {
-                let v = vertex as usize;
-                if d > distance[v] {
-                    continue;
-                }
-                let of = loop_of[v];
-                if of != NO_LOOP && !is_joined[of as usize] {
-                    found = Some(v);
+            while let Some(Reverse((bits, _, side))) = queue.pop() {
+                let distance = f64::from_bits(bits);
+                let v = mesh.tail(side).index();
+                let (least, before, is_met) = if self.rim_vertices[v] == self.now {
+                    let i = self.rim_number(side);
+                    (rim_paths[i].0, rim_paths[i].1, is_joined[loop_of[i] as usize])
+                } else {
+                    (self.paths.distances[v], self.paths.before[v], self.on_path[v] == self.now)
+                };
+                if is_met {
+                    found = Some(before);
                     break;
                 }
-                for &h in &leaving[starts[v] as usize..starts[v + 1] as usize] {
-                    let tip = self.corner_vertices[mesh.next(h).index()] as usize;
-                    // Rim sides join vertices of one loop and are never part of a path between loops.
-                    let along = d + geometry.edge_length(h.edge());
-                    if along < distance[tip] {
-                        distance[tip] = along;
-                        before[tip] = h.0;
-                        queue.push(Nearest { distance: along, vertex: small(tip) });
+                if distance > least {
+                    continue;
+                }
+                let mut leaving = Some(side);
+                while let Some(h) = leaving {
+                    leaving = self.next_in_fan(mesh, h, is_cut).filter(|&on| on != side);
+                    if self.is_border(mesh, h, is_cut) {
+                        continue;
+                    }
+                    let along = distance + geometry.edge_length(h.edge());
+                    let (tip, mut on) = (mesh.tip(h).index(), mesh.next(h));
+                    let is_shorter = if self.rim_vertices[tip] == self.now {
+                        on = self.rim_side(mesh, on, is_cut);
+                        let path = &mut rim_paths[self.rim_numbers[on.index()] as usize];
+                        let is_shorter = along < path.0;
+                        if is_shorter {
+                            *path = (along, h.0);
+                        }
+                        is_shorter
+                    } else {
+                        self.paths.shorten(tip, along, h)
+                    };
+                    if is_shorter {
+                        queue.push(self.step_to(mesh, on, is_cut, along));
                     }
                 }
             }
-            let mut v = found?;
-            is_joined[loop_of[v] as usize] = true;
-            while before[v] != NONE {
-                let h = HalfedgeId(before[v]);
+            let mut before = found?;
+            while before != NONE {
+                let h = HalfedgeId(before);
                 self.virtual_cuts[h.edge().index()] = self.now;
-                on_path[v] = true;
-                v = self.corner_vertices[h.index()] as usize;
+                let v = mesh.tail(h).index();
+                if self.rim_vertices[v] == self.now {
+                    is_joined[loop_of[self.rim_number(self.rim_side(mesh, h, is_cut))] as usize] =
+                        true;
+                    break;
+                }
+                self.on_path[v] = self.now;
+                before = self.paths.before[v];
             }
         }
         Some(())
+    }
+
+    /// What the queue of paths holds for one to where a side begins: shortest first, then by the first corner there.
+    fn step_to(&self, mesh: &Mesh, side: HalfedgeId, is_cut: &[bool], distance: f64) -> Step {
+        let v = mesh.tail(side).index();
+        let mut first = self.first_corners[v];
+        if self.rim_vertices[v] == self.now {
+            // Of its own fan only.
+            let fan = std::iter::successors(Some(side), |&h| self.next_in_fan(mesh, h, is_cut));
+            first = fan.map(|h| corner_at(mesh, h)).min().unwrap_or(NONE);
+        }
+        Reverse((distance.to_bits(), first, side))
     }
 
     /// Vertex of the last patch at the tail of a side.
@@ -334,10 +435,44 @@ impl Opener {
     }
 }
 
+impl Paths {
+    /// Forgets all ways.
+    fn begin(&mut self) {
+        if self.round == u32::MAX {
+            self.round = 0;
+            self.stamps.fill(0);
+        }
+        self.round += 1;
+    }
+
+    /// Takes a way to a vertex if there is none as short, and says whether.
+    fn shorten(&mut self, v: usize, distance: f64, by: HalfedgeId) -> bool {
+        let is_shorter = self.stamps[v] != self.round || distance < self.distances[v];
+        if is_shorter {
+            (self.stamps[v], self.distances[v], self.before[v]) = (self.round, distance, by.0);
+        }
+        is_shorter
+    }
+}
+
+impl Outline {
+    /// Places of all vertices of a patch from those along the walk: NaN off the rim and off virtual cuts.
+    pub fn spread(&self, walk: &[Point2<f64>], vertices: usize) -> Vec<Point2<f64>> {
+        let mut places = vec![Point2::new(f64::NAN, f64::NAN); vertices];
+        for (&v, place) in self.vertices.iter().zip(walk) {
+            // Vertices of virtual cuts are met twice, to rounding at the same place: the first counts.
+            if !places[v as usize].x.is_finite() {
+                places[v as usize] = *place;
+            }
+        }
+        places
+    }
+}
+
 impl Patch {
-    /// Sum of the face areas.
-    pub fn area(&self, geometry: &Geometry) -> f64 {
-        self.faces.iter().map(|f| geometry.face_areas[f.index()]).sum()
+    /// Whether virtual cuts between its rims make it a disk.
+    pub fn is_opened_by_virtual_cuts(&self) -> bool {
+        !self.loops.is_empty() && self.euler == 2 - self.loops.len() as i64
     }
 
     /// Edges of the mesh that lie on the rim, each once, in increasing order.
@@ -345,6 +480,15 @@ impl Patch {
         let edges: BTreeSet<_> = self.loops.iter().flatten().map(|h| h.edge()).collect();
         edges.into_iter().collect()
     }
+}
+
+/// The number of the corner that a side leaves, three to a face; none outside the surface.
+fn corner_at(mesh: &Mesh, side: HalfedgeId) -> u32 {
+    let corner = |face| {
+        let at = mesh.face_halfedges(face).iter().position(|&h| h == side)?;
+        Some(small(3 * face.index() + at))
+    };
+    mesh.face(side).and_then(corner).unwrap_or(NONE)
 }
 
 /// Sum of the corner angles at the tail of a side, counter-clockwise up to the side that ends there.
@@ -370,27 +514,4 @@ pub(super) fn angle_at(
         }
     }
     angle
-}
-
-/// Smallest distance first, ties by vertex.
-#[derive(PartialEq)]
-pub struct Nearest {
-    /// Distance so far.
-    pub distance: f64,
-    /// Where.
-    pub vertex: u32,
-}
-
-impl Eq for Nearest {}
-
-impl Ord for Nearest {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        other.distance.total_cmp(&self.distance).then(other.vertex.cmp(&self.vertex))
-    }
-}
-
-impl PartialOrd for Nearest {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
 }

@@ -106,7 +106,7 @@ impl MergeFlow {
             params,
             wishes,
             labels: labels.to_vec(),
-            bench: Bench::new(mesh, geometry),
+            bench: Bench::new(mesh, geometry)?,
             total_area,
             face_charts: Vec::new(),
             chart_labels: Vec::new(),
@@ -287,7 +287,8 @@ impl MergeFlow {
         let mut faces: Vec<FaceId> =
             parts.iter().flatten().flat_map(|m| m.faces.iter().copied()).collect();
         // In increasing order, as the check and the pipeline have them: ties between virtual cuts are then decided alike.
-        faces.sort_unstable();
+        // Two runs in order: a stable sort merges them.
+        faces.sort();
         faces
     }
 
@@ -374,7 +375,7 @@ impl MergeFlow {
             self.member_of_chart[chart as usize] = pair[0];
         }
         one.faces.extend(other.faces);
-        one.faces.sort_unstable();
+        one.faces.sort();
         one.charts.extend(other.charts);
         one.labels.extend(other.labels);
         one.is_forced |= other.is_forced || is_forced;

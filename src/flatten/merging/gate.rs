@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::params::MergeParams;
 use super::trial::{Bench, Limits};
 use crate::geometry::Geometry;
+use crate::linalg::LinalgError;
 use crate::mesh::{FaceId, Mesh};
 
 /// Answers the questions of [`crate::methods::developable::RefineFlow::step_if`].
@@ -29,7 +30,7 @@ impl ChartGate {
         geometry: Arc<Geometry>,
         face_charts: &[u32],
         params: &MergeParams,
-    ) -> Self {
+    ) -> Result<Self, LinalgError> {
         let limits =
             Limits { area: params.split_limit.min(params.area_limit), ..Limits::of(params) };
         let count = face_charts.iter().max().map_or(0, |&c| c as usize + 1);
@@ -37,14 +38,14 @@ impl ChartGate {
         for f in mesh.faces() {
             faces[face_charts[f.index()] as usize].push(f);
         }
-        let bench = Bench::new(mesh, geometry);
+        let bench = Bench::new(mesh, geometry)?;
         let mut gate = Self { bench, limits, costs: Vec::new(), is_flat: Vec::new() };
         for faces in &faces {
             let (cost, is_flat) = gate.look(faces);
             gate.costs.push(cost);
             gate.is_flat.push(is_flat);
         }
-        gate
+        Ok(gate)
     }
 
     /// How many charts are within the limits.

@@ -1,5 +1,7 @@
 //! One trial: flattens some faces and says whether they may be a patch. Cheap tests go first.
 
+use std::cell::Cell;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -7,12 +9,13 @@ use std::sync::Arc;
 use nalgebra::Point2;
 
 use super::params::{AreaMeasure, MergeParams};
+use crate::flatten::lpfb::boundary::{BoundaryOutcome, BoundarySolver, NO_LOOP};
 use crate::flatten::lpfb::interior::{InteriorSystem, PatchMeasures, Stiffness};
-use crate::flatten::lpfb::patch::{Nearest, Opener, Outline, Patch};
-use crate::flatten::lpfb::solve_boundary;
+use crate::flatten::lpfb::patch::{Opener, Outline, Patch};
 use crate::flatten::overlap::{contacts, overlapping_triangles};
 use crate::flatten::small;
 use crate::geometry::{Geometry, angle_sums};
+use crate::linalg::LinalgError;
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 use crate::methods::flow::Status;
 
@@ -21,6 +24,10 @@ const FLAT: f64 = 1e-9;
 
 /// Iterations for a boundary. A hemisphere takes 11; what takes more has no chart within any limit worth its while, and may take hundreds.
 const EASY: usize = 30;
+
+/// Change of area, over the area, that may follow for each radian by which angles changed last: on homer and spot 999 of 1000 boundaries
+/// are settled better.
+const SETTLING: f64 = 50.0;
 
 /// Relative residual of the inside beyond which a map is not to be trusted: good triangles leave 1e-13.
 const WORST_RESIDUAL: f64 = 1e-6;
@@ -160,10 +167,10 @@ pub struct Bench {
 }
 
 impl Bench {
-    pub fn new(mesh: Arc<Mesh>, geometry: Arc<Geometry>) -> Self {
-        Self {
+    pub fn new(mesh: Arc<Mesh>, geometry: Arc<Geometry>) -> Result<Self, LinalgError> {
+        Ok(Self {
             opener: Opener::new(&mesh),
-            stiffness: Arc::new(Stiffness::new(&mesh, &geometry)),
+            stiffness: Arc::new(Stiffness::new(&mesh, &geometry)?),
             angle_sums: angle_sums(&mesh, &geometry),
             valences: vec![0; mesh.vertex_count()],
             is_cut: vec![false; mesh.edge_count()],
@@ -171,7 +178,7 @@ impl Bench {
             trials: 0,
             mesh,
             geometry,
-        }
+        })
     }
 
     pub fn is_cut(&self) -> &[bool] {
@@ -239,39 +246,31 @@ impl Bench {
     pub fn flatten(&mut self, faces: &[FaceId], limits: &Limits) -> Result<Map, Failure> {
         self.trials += 1;
         let (mesh, geometry) = (self.mesh.clone(), self.geometry.clone());
-        let patch = self.opener.open(&mesh, &geometry, faces, &self.is_cut);
-        let Some(outline) = self.opener.outline(&mesh, &geometry, &self.is_cut, &patch) else {
-            return Err(Reject::Topology.into());
-        };
-        let (outcome, mut places) = solve_boundary(&outline, patch.vertices.len(), Some(EASY));
-        if outcome.status != Status::Converged {
-            return Err(Reject::Boundary.into());
-        }
-        let area = patch.area(&geometry);
-        let total = (shoelace(&outline, &places) - area).abs() / area;
-        if !(total <= limits.area) {
-            // The polygon alone tells the total, which the absolute change is never below.
-            let has_hope = limits.wants_darts && total <= DART_HOPE * limits.area;
-            if !has_hope {
-                return Err(Reject::Area(total).into());
-            }
-        }
-        if total > limits.enough {
-            return Err(Reject::Later(total).into());
-        }
-        if turns_back(&outline, &places) {
+        let rims = self.opener.rims(&mesh, &geometry, faces, &self.is_cut);
+        let area: f64 = faces.iter().map(|f| geometry.face_areas[f.index()]).sum();
+        let outline = self.opener.outline(&mesh, &geometry, &self.is_cut, &rims);
+        let mut outline = outline.ok_or(Reject::Topology)?;
+        let Walk { places: walk, total, outcome } = boundary(&outline, area, limits)?;
+        if turns_back(&outline, &walk) {
             return Err(Reject::Turning.into());
         }
-        let loops: Vec<Vec<Point2<f64>>> = patch
-            .loops
-            .iter()
-            .map(|rim| rim.iter().map(|&h| places[self.opener.vertex_at(h) as usize]).collect())
-            .collect();
-        let loops: Vec<&[Point2<f64>]> = loops.iter().map(Vec::as_slice).collect();
-        let contacts = contacts(&loops);
+        let mut loops: Vec<Vec<Point2<f64>>> = vec![Vec::new(); rims.len()];
+        for (&of, place) in outline.problem.loops.iter().zip(&walk) {
+            if of != NO_LOOP {
+                loops[of as usize].push(*place);
+            }
+        }
+        let contacts = contacts(&loops.iter().map(Vec::as_slice).collect::<Vec<_>>());
         if !contacts.crossings.is_empty() {
             return Err(Reject::Crossing.into());
         }
+        // The boundary leaves hope: now for what lies inside.
+        let patch = self.opener.fill(&mesh, faces, &self.is_cut, rims);
+        if !patch.is_opened_by_virtual_cuts() {
+            return Err(Reject::Topology.into());
+        }
+        self.opener.name(&mut outline);
+        let mut places = outline.spread(&walk, patch.vertices.len());
         let stiffness = self.stiffness.clone();
         let mut system = InteriorSystem::new(&patch, &mesh, &geometry, &stiffness)
             .map_err(|_| Reject::Degenerate)?;
@@ -283,8 +282,12 @@ impl Bench {
             AreaMeasure::Total => None,
             AreaMeasure::Absolute => Some(system.measure(&places)),
         };
-        let change = harmonic.map_or(total, |measures| measures.area_absolute);
-        let is_refined = limits.rigid_steps > 0 && change <= limits.area * hope;
+        let is_near = match harmonic {
+            // No step changes the total.
+            None => total <= limits.area,
+            Some(measures) => measures.area_absolute <= limits.area * hope,
+        };
+        let is_refined = limits.rigid_steps > 0 && is_near;
         if is_refined {
             system.refine(&mut places, limits.rigid_steps);
         }
@@ -362,9 +365,9 @@ impl Bench {
         let mut before: Vec<Option<(EdgeId, u32)>> = vec![None; patch.vertices.len()];
         let mut queue = BinaryHeap::new();
         distances[start] = 0.0;
-        queue.push(Nearest { distance: 0.0, vertex: small(start) });
-        while let Some(Nearest { distance, vertex }) = queue.pop() {
-            let v = vertex as usize;
+        queue.push(Reverse((0.0f64.to_bits(), small(start))));
+        while let Some(Reverse((bits, vertex))) = queue.pop() {
+            let (distance, v) = (f64::from_bits(bits), vertex as usize);
             if distance > distances[v] {
                 continue;
             }
@@ -384,7 +387,7 @@ impl Bench {
                 if along <= reach && along < distances[tip as usize] {
                     distances[tip as usize] = along;
                     before[tip as usize] = Some((h.edge(), vertex));
-                    queue.push(Nearest { distance: along, vertex: tip });
+                    queue.push(Reverse((along.to_bits(), tip)));
                 }
             }
         }
@@ -392,19 +395,55 @@ impl Bench {
     }
 }
 
-/// Signed area within an outline; virtual cuts cancel.
-fn shoelace(outline: &Outline, places: &[Point2<f64>]) -> f64 {
-    let n = outline.vertices.len();
-    let at = |i: usize| places[outline.vertices[i % n] as usize];
-    let origin = at(0);
-    (0..n).map(|i| 0.5 * (at(i) - origin).perp(&(at(i + 1) - origin))).sum()
+/// A boundary that leaves hope.
+struct Walk {
+    /// Where each side of the outline begins.
+    places: Vec<Point2<f64>>,
+    /// A_tot.
+    total: f64,
+    outcome: BoundaryOutcome,
+}
+
+/// Solves for a boundary as far as it takes to see that it is none.
+///
+/// The polygon alone tells the total change of area, which the absolute one is never below.
+fn boundary(outline: &Outline, area: f64, limits: &Limits) -> Result<Walk, Reject> {
+    let mut solver = BoundarySolver::new(&outline.problem);
+    let most = if limits.wants_darts { DART_HOPE * limits.area } else { limits.area };
+    let total_of = |flat: f64| (flat - area).abs() / area;
+    let look = |total: f64| match total {
+        _ if !(total <= most) => Some(Reject::Area(total)),
+        _ if total > limits.enough => Some(Reject::Later(total)),
+        _ => None,
+    };
+    let rough = Cell::new(None);
+    let outcome = solver.solve_until(EASY, |change, flat| {
+        let least = total_of(flat) - SETTLING * change;
+        rough.set(look(least));
+        rough.get().is_some()
+    });
+    match outcome.status {
+        Status::Converged => {}
+        Status::Running => return Err(rough.get().unwrap_or(Reject::Boundary)),
+        _ => return Err(Reject::Boundary),
+    }
+    let places = solver.places();
+    let total = total_of(shoelace(&places));
+    look(total).map_or(Ok(Walk { places, total, outcome }), Err)
+}
+
+/// Signed area within a polygon; virtual cuts cancel.
+fn shoelace(places: &[Point2<f64>]) -> f64 {
+    let n = places.len();
+    let from = |i: usize| places[i % n] - places[0];
+    (0..n).map(|i| 0.5 * from(i).perp(&from(i + 1))).sum()
 }
 
 /// Whether the outline of a disk turns by half a turn or more at a corner, so that all turns, each told up to full turns, do not add up to
 /// a full one: it overlaps itself there. Outlines with virtual cuts are left to the search for crossings.
 fn turns_back(outline: &Outline, places: &[Point2<f64>]) -> bool {
-    let n = outline.vertices.len();
-    let at = |i: usize| places[outline.vertices[i % n] as usize];
+    let n = places.len();
+    let at = |i: usize| places[i % n];
     let turn = |i: usize| {
         let (before, on) = (at(i) - at(i + n - 1), at(i + 1) - at(i));
         before.perp(&on).atan2(before.dot(&on))

@@ -180,7 +180,7 @@ impl Run {
             let prices = &self.plan.factors;
             let flow = RefineFlow::new(mesh.clone(), &geometry, &self.charts, params, prices)?;
             let charts = &flow.state().face_charts;
-            let gate = ChartGate::new(mesh, geometry, charts, &self.plan.merge);
+            let gate = ChartGate::new(mesh, geometry, charts, &self.plan.merge)?;
             Stage::Tighten(flow, Box::new(gate))
         } else if number < 2 && self.plan.smooths {
             let params = DenoiseParams::default();

@@ -221,7 +221,7 @@ fn behind_the_gate_charts_flatten_as_well_as_before_and_without_it_they_do_not()
     let (mesh, geometry) = &surface;
     let vsa = approximate(&surface, VsaParams { tolerance: 0.002, ..VsaParams::default() });
     let gate = |charts: &[u32]| {
-        ChartGate::new(mesh.clone(), geometry.clone(), charts, &MergeParams::default())
+        ChartGate::new(mesh.clone(), geometry.clone(), charts, &MergeParams::default()).unwrap()
     };
     let labels = &vsa.state().face_charts;
     let mut flow =
