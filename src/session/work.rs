@@ -461,7 +461,9 @@ impl Work {
         // Patches of triangles end at edges of the mesh as it is.
         let is_free = self.method != Method::Developable && self.given.is_none();
         let mut charting = Charting::of(&self.settings);
-        if self.method == Method::Developable && charting.by == FlattenBy::Auto {
+        // First pieces are often too far from flat for rims of true length.
+        let is_nearly_flat = self.method == Method::Developable && !self.has_first_pieces_only();
+        if is_nearly_flat && charting.by == FlattenBy::Auto {
             charting.by = FlattenBy::Lpfb;
         }
         let finish = Finish {

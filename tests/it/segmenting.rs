@@ -215,6 +215,27 @@ fn patches_of_a_chair_lie_flat_keep_their_seams_and_are_exported_as_they_were_ac
 }
 
 #[test]
+fn first_pieces_are_sketched_and_flattened_whole_for_a_file_only() {
+    let mut session = open("developable", "armchair", &[]);
+    session.handle(Command::Step);
+    assert_eq!(session.develop_stage(), Some("vsa"));
+    let pieces = session.labels().into_iter().max().unwrap() as usize + 1;
+    assert_eq!(session.scene().unwrap().patches.len(), pieces);
+    let has_settled = |session: &mut Session| {
+        let project = session.export("Project (JSON)").unwrap().bytes;
+        String::from_utf8(project).unwrap().contains("\"settle\"")
+    };
+    assert!(!has_settled(&mut session));
+    exported::look(&mut session, "first pieces");
+    assert!(has_settled(&mut session));
+    assert_eq!(session.layout().unwrap().measures.totals.overlaps, 0);
+    // The flow goes on from the pieces, however they were parted for the file.
+    session.handle(Command::Step);
+    let pieces = session.labels().into_iter().max().unwrap() as usize + 1;
+    assert_eq!(session.scene().unwrap().patches.len(), pieces);
+}
+
+#[test]
 fn stages_are_told_one_after_the_other_and_undo_goes_back_to_any_of_them() {
     let mut session = open("developable", "ball", &[]);
     let mut seen = Vec::new();

@@ -547,6 +547,42 @@ mod tests {
     }
 
     #[test]
+    fn little_turns_are_exact_to_rounding() {
+        for (from, by) in [(0.3f64, 0.1249), (2.0, -0.125), (-4.0, 1e-9), (1.0, 0.0), (0.5, 0.2)] {
+            let (sin, cos) = from.sin_cos();
+            let found = turn([sin, cos], by, from + by);
+            let (sin, cos) = (from + by).sin_cos();
+            assert!(
+                (found[0] - sin).abs() < 4e-16 && (found[1] - cos).abs() < 4e-16,
+                "{from} + {by}"
+            );
+        }
+    }
+
+    #[test]
+    fn who_has_seen_enough_is_told_the_area_and_stops_early() {
+        let problem = bumpy(200);
+        let mut whole = BoundarySolver::new(&problem);
+        let asked = std::cell::RefCell::new(Vec::new());
+        let outcome = whole.solve_until(ITERATIONS, |change, area| {
+            asked.borrow_mut().push([change, area]);
+            false
+        });
+        assert_eq!(outcome.status, Status::Converged);
+        let places = whole.places();
+        let doubled: f64 =
+            (0..200).map(|k| places[k].coords.perp(&places[(k + 1) % 200].coords)).sum();
+        let asked = asked.into_inner();
+        assert!(asked.len() > 2 && asked.iter().all(|[change, _]| *change <= ROUGH));
+        let last = asked[asked.len() - 1][1];
+        assert!((last - 0.5 * doubled).abs() < 1e-9 * doubled.abs(), "{last} {doubled}");
+        let mut early = BoundarySolver::new(&problem);
+        let stopped = early.solve_until(ITERATIONS, |_, area| (area - last).abs() < 0.05 * last);
+        assert_eq!(stopped.status, Status::Running);
+        assert!(stopped.iterations < outcome.iterations, "{stopped:?} {outcome:?}");
+    }
+
+    #[test]
     fn polygons_that_cannot_be_closed_are_infeasible() {
         let mut problem = bumpy(12);
         problem.lengths[3] = 100.0;
