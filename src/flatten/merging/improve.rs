@@ -9,8 +9,12 @@ use crate::mesh::EdgeId;
 /// Trials for one patch, so that a step stays bounded.
 const TRIALS: usize = 400;
 
+/// Charts of a patch that is worth dissolving at most: on seven surfaces, under both measures, 22 of 99 such patches and none of 49 larger ones found
+/// places for all their charts.
+const MOST_CHARTS: usize = 12;
+
 impl MergeFlow {
-    /// All patches of more than one chart are to be dissolved, small ones first.
+    /// All patches of few charts are to be dissolved, small ones first.
     pub(super) fn begin_round(&mut self) {
         self.to_dissolve.clear();
         let is_symmetric = self.mirror.is_some();
@@ -24,8 +28,9 @@ impl MergeFlow {
             .iter()
             .enumerate()
             .filter_map(|(i, m)| {
-                let member = m.as_ref().filter(|m| !m.is_forced)?;
-                Some((member.area, small(i)))
+                let member = m.as_ref()?;
+                let is_candidate = !member.is_forced && member.charts.len() <= MOST_CHARTS;
+                is_candidate.then_some((member.area, small(i)))
             })
             .collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));
