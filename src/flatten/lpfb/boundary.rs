@@ -427,14 +427,15 @@ impl BoundarySolver {
 
 /// Sine and cosine of `phi` from those of an angle that is less by `by`: by their series to rounding where that is little, which is most of the time.
 fn turn([sin, cos]: [f64; 2], by: f64, phi: f64) -> [f64; 2] {
+    // (−1)ᵏ / (2k + 1)! and (−1)ᵏ / (2k)! from the highest on.
+    const SINE: [f64; 6] =
+        [-1.0 / 39_916_800.0, 1.0 / 362_880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0, 1.0];
+    const COSINE: [f64; 6] =
+        [-1.0 / 3_628_800.0, 1.0 / 40_320.0, -1.0 / 720.0, 1.0 / 24.0, -0.5, 1.0];
     if by.abs() <= 0.125 {
         let x = by * by;
-        let s = by
-            * (1.0
-                - x / 6.0
-                    * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0 * (1.0 - x / 110.0)))));
-        let c = 1.0
-            - x / 2.0 * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0))));
+        let series = |terms: [f64; 6]| terms.into_iter().fold(0.0, |sum, term| sum * x + term);
+        let (s, c) = (by * series(SINE), series(COSINE));
         [sin * c + cos * s, cos * c - sin * s]
     } else {
         let (sin, cos) = phi.sin_cos();
