@@ -163,6 +163,7 @@ impl Session {
             || work.pending != Pending::None
             || are_cones_due
             || !work.is_settled
+            || work.is_sketched
             || !is_refined
     }
 
@@ -186,7 +187,7 @@ impl Session {
             self.settled_cones()?;
         }
         let Some(work) = &mut self.work else { return Err(nothing_open()) };
-        if !work.is_settled {
+        if !work.is_settled || work.is_sketched {
             work.settle()?;
         }
         work.finish_refinement()?;

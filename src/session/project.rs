@@ -205,7 +205,8 @@ impl Log {
     fn last_done(&self) -> Option<&Rc<Node>> {
         let mut last = self.last.as_ref();
         let is_rest = |entry: &Entry| {
-            matches!(entry, Entry::Steps(_) | Entry::Rounds(_) | Entry::Solved | Entry::LaidOut)
+            use Entry::{LaidOut, Rounds, Settle, Solved, Steps};
+            matches!(entry, Steps(_) | Rounds(_) | Solved | LaidOut | Settle)
         };
         while let Some(node) = last.filter(|node| is_rest(&node.entry)) {
             last = node.before.as_ref();

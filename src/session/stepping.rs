@@ -85,7 +85,6 @@ impl Session {
             && work.pending == Pending::None
             && work.method != Method::Cones
             && !work.is_settled
-            && !work.has_first_pieces_only()
         {
             self.settle(events);
         }
@@ -157,7 +156,7 @@ impl Session {
         events.push(Event::Scene);
     }
 
-    /// Flattens the current cut whole.
+    /// Flattens the current cut whole, first pieces of developable patches as they come.
     pub(super) fn settle(&mut self, events: &mut Vec<Event>) {
         let Some(work) = &mut self.work else { return };
         if work.document.surface.is_none() || work.first_cut_is_due {
@@ -178,13 +177,10 @@ impl Session {
             self.scene_is_new = true;
             return;
         }
-        if work.has_first_pieces_only() && !work.is_settled {
-            // They are far from flat: to part them until nothing overlaps takes long, and is done for those who want a file.
-            self.scene_is_new = true;
-            return;
-        }
         let was_folded = work.fold.is_some();
-        match work.settle() {
+        // First pieces are far from flat: to part them until nothing overlaps takes long, and is done for those who want a pattern or a file.
+        let is_sketch = work.has_first_pieces_only() && !self.is_pattern_shown;
+        match if is_sketch { work.sketch() } else { work.settle() } {
             Ok(()) => {
                 events.push(work.measures());
                 if was_folded {

@@ -78,6 +78,8 @@ pub(super) struct Work {
     given: Option<CutMesh>,
     /// The layout at rest is of the current cut.
     pub is_settled: bool,
+    /// But its charts are as they come: they may overlap themselves, or be missing.
+    pub is_sketched: bool,
     /// Shown, but not cut yet.
     pub first_cut_is_due: bool,
     pub start: Option<Vec<Row>>,
@@ -159,7 +161,9 @@ impl Work {
         let shelf = Shelf {
             field: field.to_owned(),
             layout: self.layout.take(),
-            is_settled: std::mem::take(&mut self.is_settled) && !is_unfinished,
+            is_settled: std::mem::take(&mut self.is_settled)
+                && !std::mem::take(&mut self.is_sketched)
+                && !is_unfinished,
             start: self.start.take(),
             seam_allowances: std::mem::take(&mut self.seam_allowances),
             seam_edges: std::mem::take(&mut self.seam_edges),
@@ -336,6 +340,7 @@ impl Work {
             seam_edges: Vec::new(),
             given: None,
             is_settled: false,
+            is_sketched: false,
             first_cut_is_due: false,
             start: None,
             cones: Cones::default(),
@@ -375,16 +380,12 @@ impl Work {
         }
         let surface = self.document.surface()?;
         let wrong = |error| Problem::solve(&surface.name, &error);
-        let packing = self.layout.as_ref().map(|l| &l.packing);
         if self.segmentation().is_some() {
-            let cut = self.cut_mesh(surface);
-            let by = FlattenBy::Bff;
-            let charting = Charting { by, splits: false, ..Charting::default() };
-            let layout = Layout::sketch(surface, cut, &charting, SHOWN_FLAT, packing)
-                .map_err(|error| error.problem(&surface.name))?;
+            let layout = self.sketched(surface)?;
             self.put_layout(layout);
             return Ok(());
         }
+        let packing = self.layout.as_ref().map(|l| &l.packing);
         // The flow's factor belongs to the triangles that it solves on.
         if let Some(flow) = self.flow.as_mut().filter(|_| surface.solving.is_none()) {
             let cut = flow.cut_mesh();
@@ -404,13 +405,35 @@ impl Work {
         Ok(())
     }
 
-    /// A fold belongs to the layout that it was made of, and so does a refinement.
+    /// The pieces of a segmentation with charts as they come, or without where there are many.
+    fn sketched(&self, surface: &Surface) -> Result<Layout, Problem> {
+        let packing = self.layout.as_ref().map(|l| &l.packing);
+        let by = FlattenBy::Bff;
+        let charting = Charting { by, splits: false, ..Charting::default() };
+        Layout::sketch(surface, self.cut_mesh(surface), &charting, SHOWN_FLAT, packing)
+            .map_err(|error| error.problem(&surface.name))
+    }
+
+    /// A layout at rest for those who only look: whoever wants a pattern or a file has it made whole.
+    pub fn sketch(&mut self) -> Result<(), Problem> {
+        let layout = self.sketched(self.document.surface()?)?;
+        // Allowances belong to the seams of the whole one.
+        self.show(layout);
+        (self.is_settled, self.is_sketched) = (true, true);
+        Ok(())
+    }
+
     fn put_layout(&mut self, layout: Layout) {
         // Seams of another cut have other numbers.
         if self.seam_edges != layout.cut.cut_edges {
             self.seam_allowances.clear();
             self.seam_edges.clone_from(&layout.cut.cut_edges);
         }
+        self.show(layout);
+    }
+
+    /// A fold belongs to the layout that it was made of, and so does a refinement.
+    fn show(&mut self, layout: Layout) {
         self.layout = Some(layout);
         self.drop_pattern();
         self.atlas = None;
@@ -426,6 +449,7 @@ impl Work {
 
     pub fn settle(&mut self) -> Result<(), Problem> {
         let surface = self.document.surface()?;
+        self.is_sketched = false;
         if self.method == Method::Cones {
             let packing = self.layout.as_ref().map(|l| &l.packing);
             let Some(set) = &self.cones.set else { return Ok(()) };

@@ -79,7 +79,7 @@ pub fn lpfb_with(
     let no_cut = vec![false; mesh.edge_count()];
     let nowhere = Point2::new(f64::NAN, f64::NAN);
     let mut places = vec![nowhere; mesh.vertex_count()];
-    let mut opener = Opener::new(mesh);
+    let mut opener = Opener::default();
     let mut charts = Vec::with_capacity(groups.len());
     let mut reports = Vec::with_capacity(groups.len());
     for faces in &groups {

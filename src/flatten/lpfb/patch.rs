@@ -1,7 +1,7 @@
 //! A part of a surface, opened along cut edges: what one chart is made from.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeSet, BinaryHeap};
+use std::collections::BinaryHeap;
 
 use nalgebra::Point2;
 
@@ -41,8 +41,8 @@ pub struct Outline {
     pub problem: BoundaryProblem,
 }
 
-/// Opens patches one after another in the same memory.
-#[derive(Clone, Debug)]
+/// Opens patches one after another in the same memory. A copy begins without, and takes it for its first patch.
+#[derive(Debug, Default)]
 pub struct Opener {
     now: u32,
     face_stamps: Vec<u32>,
@@ -63,7 +63,7 @@ pub struct Opener {
 }
 
 /// Shortest ways so far to vertices off the rims.
-#[derive(Clone, Debug)]
+#[derive(Debug, Default)]
 struct Paths {
     round: u32,
     stamps: Vec<u32>,
@@ -77,9 +77,15 @@ type Step = Reverse<(u64, u32, HalfedgeId)>;
 
 const NONE: u32 = u32::MAX;
 
+impl Clone for Opener {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 impl Opener {
-    /// Memory for patches of a mesh.
-    pub fn new(mesh: &Mesh) -> Self {
+    /// Memory for patches of a mesh. **Costs** O(F).
+    fn new(mesh: &Mesh) -> Self {
         Self {
             now: 0,
             face_stamps: vec![0; mesh.face_count()],
@@ -103,19 +109,7 @@ impl Opener {
         }
     }
 
-    /// Opens some faces along cut edges. **Costs** O(F) of these faces.
-    pub fn open(
-        &mut self,
-        mesh: &Mesh,
-        geometry: &Geometry,
-        faces: &[FaceId],
-        is_cut: &[bool],
-    ) -> Patch {
-        let loops = self.rims(mesh, geometry, faces, is_cut);
-        self.fill(mesh, faces, is_cut, loops)
-    }
-
-    /// The rims of some faces along cut edges, the outer one first, and nothing of what lies inside. **Costs** O(F), a small part of [`Opener::open`].
+    /// The rims of some faces along cut edges, the outer one first, and nothing of what lies inside. **Costs** O(F), a small part of [`Opener::fill`].
     pub fn rims(
         &mut self,
         mesh: &Mesh,
@@ -123,7 +117,7 @@ impl Opener {
         faces: &[FaceId],
         is_cut: &[bool],
     ) -> Vec<Vec<HalfedgeId>> {
-        if self.now == u32::MAX {
+        if self.now == u32::MAX || self.face_stamps.len() != mesh.face_count() {
             *self = Self::new(mesh);
         }
         self.now += 1;
@@ -473,12 +467,6 @@ impl Patch {
     /// Whether virtual cuts between its rims make it a disk.
     pub fn is_opened_by_virtual_cuts(&self) -> bool {
         !self.loops.is_empty() && self.euler == 2 - self.loops.len() as i64
-    }
-
-    /// Edges of the mesh that lie on the rim, each once, in increasing order.
-    pub fn rim_edges(&self) -> Vec<crate::mesh::EdgeId> {
-        let edges: BTreeSet<_> = self.loops.iter().flatten().map(|h| h.edge()).collect();
-        edges.into_iter().collect()
     }
 }
 

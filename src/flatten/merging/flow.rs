@@ -87,7 +87,7 @@ impl MergeFlow {
     /// Prepares charts: splits those that fail, and merges those that are wanted together.
     ///
     /// **Takes** a surface, any scale, and a label for each face; faces of one label that hang together are a chart. **Fails** on parameters out of range, on
-    /// edges that are not there, and on a symmetry that the charts do not have.
+    /// edges that are not there, on a symmetry that the charts do not have, and for lack of memory.
     /// **Costs** a trial for each chart, and two for each split.
     pub fn new(
         mesh: Arc<Mesh>,
@@ -96,9 +96,18 @@ impl MergeFlow {
         params: MergeParams,
         wishes: MergeWishes,
     ) -> Result<Self, SolveError> {
+        Self::on(Bench::new(mesh, geometry)?, labels, params, wishes)
+    }
+
+    fn on(
+        bench: Bench,
+        labels: &[u32],
+        params: MergeParams,
+        wishes: MergeWishes,
+    ) -> Result<Self, SolveError> {
         params.validate()?;
-        assert_eq!(labels.len(), mesh.face_count());
-        let total_area = geometry.total_area();
+        assert_eq!(labels.len(), bench.mesh.face_count());
+        let total_area = bench.geometry.total_area();
         if !(total_area > 0.0 && total_area.is_finite()) {
             return Err(SolveError::NotFinite);
         }
@@ -106,7 +115,7 @@ impl MergeFlow {
             params,
             wishes,
             labels: labels.to_vec(),
-            bench: Bench::new(mesh, geometry)?,
+            bench,
             total_area,
             face_charts: Vec::new(),
             chart_labels: Vec::new(),
@@ -340,8 +349,9 @@ impl MergeFlow {
 
     /// Starts from the charts again with other wishes. After `Err` everything is as it was.
     pub fn set_wishes(&mut self, wishes: MergeWishes) -> Result<(), SolveError> {
-        let (mesh, geometry) = (self.bench.mesh.clone(), self.bench.geometry.clone());
-        let mut other = Self::new(mesh, geometry, &self.labels, self.params, wishes)?;
+        let mut bench = self.bench.clone();
+        bench.trials = 0;
+        let mut other = Self::on(bench, &self.labels, self.params, wishes)?;
         other.step = self.step;
         *self = other;
         Ok(())

@@ -24,7 +24,7 @@ pub struct ChartGate {
 impl ChartGate {
     /// Flattens all charts.
     ///
-    /// **Takes** connected charts, numbered from 0, those of the state of the flow that asks. **Costs** a trial for each.
+    /// **Takes** connected charts, numbered from 0, those of the state of the flow that asks. **Fails** for lack of memory. **Costs** a trial for each.
     pub fn new(
         mesh: Arc<Mesh>,
         geometry: Arc<Geometry>,

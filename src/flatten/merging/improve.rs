@@ -1,4 +1,4 @@
-//! Improvements: one patch after another is dissolved into its charts, which other patches take up if they can.
+//! Improvements: one patch of few charts after another is dissolved into its charts, which other patches take up if they can.
 
 use super::flow::MergeFlow;
 use super::order::Advance;

@@ -8,6 +8,9 @@
 //! pair at once. Tips of cuts whose vertex has an angle sum of 2π or more are glued, because a flat chart would overlap there. Where only the change of area is too
 //! large, short darts are cut from the most compressed vertex to the rim.
 //!
+//! Most trials end at the boundary, so that it is looked at before the inside is: rims are walked, joined and laid out without numbering the patch, as far as it takes
+//! to see that the change of area is too large or that other trials come first.
+//!
 //! Guaranteed: at any moment every patch has a map within the limits ([`PatchInfo`] tells exceptions: charts of a face or two that fail, and what the user
 //! forced); in the end all patches are flattened anew, by other code, and a patch that then fails is an error. Not guaranteed: the fewest patches.
 

@@ -42,8 +42,8 @@ pub struct MergeParams {
     pub rigid_steps: usize,
     /// Charts to begin with are split until their change of area is at most this.
     pub split_limit: f64,
-    /// Rounds of improvements once nothing more can be merged: each dissolves every patch once, gives its charts to others, and keeps what has fewer patches or
-    /// less seam.
+    /// Rounds of improvements once nothing more can be merged: each dissolves every patch of up to a dozen charts once, gives its charts to others, and keeps
+    /// what has fewer patches or less seam.
     pub improvements: usize,
     /// Trials that one step makes at most, some more where a pair of patches shares many curves.
     pub trials_per_step: usize,

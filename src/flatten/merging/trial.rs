@@ -25,10 +25,6 @@ const FLAT: f64 = 1e-9;
 /// Iterations for a boundary. A hemisphere takes 11; what takes more has no chart within any limit worth its while, and may take hundreds.
 const EASY: usize = 30;
 
-/// Change of area, over the area, that may follow for each radian by which angles changed last: on homer and spot 999 of 1000 boundaries
-/// are settled better.
-const SETTLING: f64 = 50.0;
-
 /// Relative residual of the inside beyond which a map is not to be trusted: good triangles leave 1e-13.
 const WORST_RESIDUAL: f64 = 1e-6;
 
@@ -60,7 +56,7 @@ pub enum Reject {
     Flipped(usize),
     /// Faces overlap where the boundary touches itself.
     Overlap,
-    /// The change of area is too large.
+    /// The change of area is too large: at least this much, as far as its boundary was followed.
     Area(f64),
     /// The L² stretch is too large.
     Stretch(f64),
@@ -169,7 +165,7 @@ pub struct Bench {
 impl Bench {
     pub fn new(mesh: Arc<Mesh>, geometry: Arc<Geometry>) -> Result<Self, LinalgError> {
         Ok(Self {
-            opener: Opener::new(&mesh),
+            opener: Opener::default(),
             stiffness: Arc::new(Stiffness::new(&mesh, &geometry)?),
             angle_sums: angle_sums(&mesh, &geometry),
             valences: vec![0; mesh.vertex_count()],
@@ -283,8 +279,8 @@ impl Bench {
             AreaMeasure::Absolute => Some(system.measure(&places)),
         };
         let is_near = match harmonic {
-            // No step changes the total.
-            None => total <= limits.area,
+            // No step changes the total; sums over faces differ from it by rounding.
+            None => total <= limits.area * (1.0 + 1e-9),
             Some(measures) => measures.area_absolute <= limits.area * hope,
         };
         let is_refined = limits.rigid_steps > 0 && is_near;
@@ -416,9 +412,14 @@ fn boundary(outline: &Outline, area: f64, limits: &Limits) -> Result<Walk, Rejec
         _ if total > limits.enough => Some(Reject::Later(total)),
         _ => None,
     };
+    let perimeter: f64 = {
+        let of = outline.problem.loops.iter().zip(&outline.problem.lengths);
+        of.filter(|(of, _)| **of != NO_LOOP).map(|(_, length)| length).sum()
+    };
     let rough = Cell::new(None);
     let outcome = solver.solve_until(EASY, |change, flat| {
-        let least = total_of(flat) - SETTLING * change;
+        // What the area may change by until the polygon is found: see `solve_until`.
+        let least = total_of(flat) - change * perimeter * perimeter / (2.0 * area);
         rough.set(look(least));
         rough.get().is_some()
     });

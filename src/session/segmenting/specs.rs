@@ -102,7 +102,7 @@ pub fn develop_specs() -> Vec<ParamSpec> {
             "Best first tries all borders of two pieces together, least change of area for the longest seam first, until nothing more fits. The paper's way passes once.")
             .advanced(),
         number("improvements", "Improve", "", "rounds", [0.0, 3.0, 1.0], 1.0,
-            "Afterwards each piece in turn is taken apart and its parts are merged with its neighbours: kept where that takes fewer pieces or less seam. Not done where a symmetry is kept.")
+            "Afterwards each piece of a dozen parts or fewer is taken apart in turn and its parts are merged with its neighbours: kept where that takes fewer pieces or less seam. Not done where a symmetry is kept.")
             .group(merging).integer().advanced(),
         number("seam_price", "Hide seams", "", "", [0.0, 50.0, 0.5], 5.0,
             "By how many times its length a seam costs more where Hide is painted, or where it would be seen.")
