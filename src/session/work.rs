@@ -158,12 +158,12 @@ impl Work {
     pub fn change_method(&mut self, method: Method, field: &str) -> Option<String> {
         // What is evened out half begins again when it is shown again.
         let is_unfinished = self.refinement.take().is_some_and(|refinement| refinement.is_running);
+        // What is sketched is made whole, or sketched anew, when it is shown again.
+        let is_sketched = std::mem::take(&mut self.is_sketched);
         let shelf = Shelf {
             field: field.to_owned(),
             layout: self.layout.take(),
-            is_settled: std::mem::take(&mut self.is_settled)
-                && !std::mem::take(&mut self.is_sketched)
-                && !is_unfinished,
+            is_settled: std::mem::take(&mut self.is_settled) && !is_unfinished && !is_sketched,
             start: self.start.take(),
             seam_allowances: std::mem::take(&mut self.seam_allowances),
             seam_edges: std::mem::take(&mut self.seam_edges),
