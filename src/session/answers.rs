@@ -4,8 +4,8 @@ use super::refining::Refinement;
 use super::work::Pending;
 use super::{
     ConesReport, CutReport, Document, Entry, File, HistoryRow, InfoReport, Layout, Method, Problem,
-    Scene, Session, Work, cut_from_json, cut_from_uv, doctor, error_event, nothing_open, picture,
-    work,
+    Scene, Session, Work, cut_from_json, cut_from_uv, doctor, error_event, exporting, nothing_open,
+    picture,
 };
 
 /// The export that holds everything.
@@ -87,7 +87,7 @@ impl Session {
         if kind == COMPARISON {
             return self.comparison_file();
         }
-        if kind != work::MESH {
+        if kind != exporting::MESH {
             self.settled()?;
         }
         let compared = self.compared_results();

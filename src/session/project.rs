@@ -22,12 +22,12 @@ use serde::{Deserialize, Serialize};
 
 use super::brought::Brought;
 use super::document::Document;
+use super::exporting::stem;
 use super::message::{Command, Event, File, Value};
 use super::method::Method;
 use super::params::Settings;
 use super::size;
 use super::text::Problem;
-use super::work::stem;
 use super::{Session, nothing_open};
 use crate::pattern;
 

@@ -4,36 +4,28 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::rc::Rc;
 
-use super::charting::{Charting, FlattenBy};
 use super::comparing::ResultCard;
-use super::cones::{ConeComparisonRow, Cones, ConesReport, Edits, KnownPath};
+use super::cones::{ConeComparisonRow, Cones, Edits, KnownPath};
 use super::document::Document;
 use super::folding::Fold;
 use super::inputs::{self, Layers};
-use super::layout::{Finish, Layout};
-use super::message::{Event, File, PatternSize, PieceRow, Row, Term};
+use super::layout::Layout;
+use super::message::{Event, PatternSize, PieceRow, Row, Term};
 use super::method::Method;
 use super::params::Settings;
 use super::patterning::Patterning;
 use super::project::Log;
 use super::refining::Refinement;
-use super::report::{CutReport, FlattenReport, HistoryRow, InfoReport, patch_reports};
+use super::report::{CutReport, FlattenReport, HistoryRow, patch_reports};
 use super::scene::LayerScene;
-use super::segmenting::{
-    DevelopCheckpoint, DevelopReport, Developable, PhaseCheckpoint, PhaseField, PhaseFieldReport,
-    SHOWN_FLAT,
-};
+use super::segmenting::{DevelopCheckpoint, Developable, PhaseCheckpoint, PhaseField};
 use super::surface::Surface;
 use super::text::Problem;
-use super::{nothing_open, picture, size};
+use super::{picture, size};
 use crate::geometry::Symmetry;
 use crate::mesh::CutMesh;
 use crate::methods::cutflow::{Checkpoint, CutFields, CutFlow, Pointwise, Stages};
 use crate::methods::flow::{Flow, Status};
-use crate::pattern;
-
-/// The export that needs no cut.
-pub(super) const MESH: &str = "Mesh (OBJ)";
 
 /// What was painted since the flow last looked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -75,7 +67,7 @@ pub(super) struct Work {
     /// The cut that those seams belong to.
     pub seam_edges: Vec<[u32; 2]>,
     /// A cut from a file that is laid out as it is, until the flow makes another.
-    given: Option<CutMesh>,
+    pub given: Option<CutMesh>,
     /// The layout at rest is of the current cut.
     pub is_settled: bool,
     /// But its charts are as they come: they may overlap themselves, or be missing.
@@ -100,7 +92,7 @@ pub(super) struct Work {
 pub(super) struct Shelf {
     pub field: String,
     layout: Option<Layout>,
-    is_settled: bool,
+    pub is_settled: bool,
     start: Option<Vec<Row>>,
     seam_allowances: BTreeMap<usize, f64>,
     seam_edges: Vec<[u32; 2]>,
@@ -258,7 +250,7 @@ impl Work {
     }
 
     /// The current cut on the surface as it was given; none at all without a flow.
-    fn cut_mesh(&self, surface: &Surface) -> CutMesh {
+    pub fn cut_mesh(&self, surface: &Surface) -> CutMesh {
         if let Some(segmentation) = self.segmentation() {
             return segmentation.cut(surface).unwrap_or_else(|| CutMesh::uncut(&surface.mesh));
         }
@@ -372,158 +364,9 @@ impl Work {
         self.is_settled = false;
     }
 
-    /// The layout of a running flow: with the flow's own factor where all patches are disks, whole otherwise.
-    pub fn preview(&mut self) -> Result<(), Problem> {
-        if self.method == Method::Cones {
-            // The charts of the cones before stay until there is time for new ones.
-            return Ok(());
-        }
-        let surface = self.document.surface()?;
-        let wrong = |error| Problem::solve(&surface.name, &error);
-        if self.segmentation().is_some() {
-            let layout = self.sketched(surface)?;
-            self.put_layout(layout);
-            return Ok(());
-        }
-        let packing = self.layout.as_ref().map(|l| &l.packing);
-        // The flow's factor belongs to the triangles that it solves on.
-        if let Some(flow) = self.flow.as_mut().filter(|_| surface.solving.is_none()) {
-            let cut = flow.cut_mesh();
-            let factor = flow.factor().map_err(|error| wrong(error.into()))?;
-            let layout = Layout::preview(surface, cut, factor, packing).map_err(wrong)?;
-            if layout.is_complete() {
-                self.put_layout(layout);
-                return Ok(());
-            }
-        }
-        // Nothing is repaired while the cut moves: that would be another cut.
-        let by = FlattenBy::Bff;
-        let charting = Charting { by, splits: false, ..Charting::default() };
-        let layout = Layout::full(surface, self.cut_mesh(surface), &charting, packing)
-            .map_err(|error| error.problem(&surface.name))?;
-        self.put_layout(layout);
-        Ok(())
-    }
-
-    /// The pieces of a segmentation with charts as they come, or without where there are many.
-    fn sketched(&self, surface: &Surface) -> Result<Layout, Problem> {
-        let packing = self.layout.as_ref().map(|l| &l.packing);
-        let by = FlattenBy::Bff;
-        let charting = Charting { by, splits: false, ..Charting::default() };
-        Layout::sketch(surface, self.cut_mesh(surface), &charting, SHOWN_FLAT, packing)
-            .map_err(|error| error.problem(&surface.name))
-    }
-
-    /// A layout at rest for those who only look: whoever wants a pattern or a file has it made whole.
-    pub fn sketch(&mut self) -> Result<(), Problem> {
-        let layout = self.sketched(self.document.surface()?)?;
-        // Allowances belong to the seams of the whole one.
-        self.show(layout);
-        (self.is_settled, self.is_sketched) = (true, true);
-        Ok(())
-    }
-
-    fn put_layout(&mut self, layout: Layout) {
-        // Seams of another cut have other numbers.
-        if self.seam_edges != layout.cut.cut_edges {
-            self.seam_allowances.clear();
-            self.seam_edges.clone_from(&layout.cut.cut_edges);
-        }
-        self.show(layout);
-    }
-
-    /// A fold belongs to the layout that it was made of, and so does a refinement.
-    fn show(&mut self, layout: Layout) {
-        self.layout = Some(layout);
-        self.drop_pattern();
-        self.atlas = None;
-        self.fold = None;
-        self.refinement = None;
-    }
-
-    /// Whether the cut is that of developable pieces whose first borders are still being found.
-    pub fn has_first_pieces_only(&self) -> bool {
-        let is_first = self.develop.stage() == Some("vsa");
-        self.method == Method::Developable && self.given.is_none() && is_first
-    }
-
-    pub fn settle(&mut self) -> Result<(), Problem> {
-        let surface = self.document.surface()?;
-        self.is_sketched = false;
-        if self.method == Method::Cones {
-            let packing = self.layout.as_ref().map(|l| &l.packing);
-            let Some(set) = &self.cones.set else { return Ok(()) };
-            let charting = Charting::of(&self.settings);
-            let layout = Layout::of_cones(surface, set, &self.seam_cost(), &charting, packing)
-                .map_err(|error| error.problem(&surface.name))?;
-            self.put_layout(layout);
-            self.is_settled = true;
-            self.begin_refinement();
-            return Ok(());
-        }
-        if self.method == Method::Developable
-            && Charting::of(&self.settings).by == FlattenBy::Auto
-            && let Some((cut, opened, flattening)) = self.develop.maps()
-        {
-            // The very maps that pieces were accepted with.
-            let packing = self.layout.as_ref().map(|l| &l.packing);
-            let layout = Layout::of_maps(surface, cut, opened, flattening, packing);
-            self.put_layout(layout);
-            self.is_settled = true;
-            if self.start.is_none() {
-                self.start = Some(self.rows());
-            }
-            self.begin_refinement();
-            return Ok(());
-        }
-        // The whole layout takes the most memory of all: what it does not need makes room for it.
-        if let Some(flow) = &mut self.flow {
-            flow.rest();
-        }
-        let cut = self.cut_mesh(surface);
-        let packing = self.layout.take().map(|layout| layout.packing);
-        // Patches of triangles end at edges of the mesh as it is.
-        let is_free = self.method != Method::Developable && self.given.is_none();
-        let mut charting = Charting::of(&self.settings);
-        // First pieces are often too far from flat for rims of true length.
-        let is_nearly_flat = self.method == Method::Developable && !self.has_first_pieces_only();
-        if is_nearly_flat && charting.by == FlattenBy::Auto {
-            charting.by = FlattenBy::Lpfb;
-        }
-        let finish = Finish {
-            straighten: is_free && self.settings.is_on("straighten"),
-            snap: is_free && self.settings.is_on("snap"),
-            pins: &self.layers.pin,
-            charting,
-        };
-        let layout = Layout::finished(surface, cut, &finish, packing.as_ref())
-            .map_err(|error| error.problem(&surface.name))?;
-        self.put_layout(layout);
-        self.is_settled = true;
-        // Before there are patches the uncut surface is no start to compare with.
-        if self.start.is_none() && self.method != Method::Developable {
-            self.start = Some(self.rows());
-        }
-        self.begin_refinement();
-        Ok(())
-    }
-
-    /// Cuts are finished another way: what was laid out is laid out anew, also what other methods show.
-    pub fn finish_anew(&mut self) {
-        self.is_settled = false;
-        self.shelf.values_mut().for_each(|shelf| shelf.is_settled = false);
-    }
-
     /// The flow has made another cut than the one that was given.
     pub fn drop_given(&mut self) {
         self.given = None;
-    }
-
-    /// Flattens a cut as it is.
-    pub fn lay_out(&mut self, cut: CutMesh) -> Result<(), Problem> {
-        self.given = Some(cut);
-        self.first_cut_is_due = false;
-        self.settle()
     }
 
     /// Millimetres per √area.
@@ -667,105 +510,6 @@ impl Work {
             seconds_per_step: seconds.filter(|_| steps > 0).map(|s| s / steps as f64),
         })
     }
-
-    pub fn export(&mut self, kind: &str) -> Result<File, Problem> {
-        if let Some(made) = self.pattern_export(kind) {
-            return made;
-        }
-        let document = &*self.document;
-        if kind == MESH {
-            let mm = size::stated(document, &self.settings);
-            return Ok(File {
-                name: format!("{}-mesh.obj", stem(&document.name)),
-                mime: "model/obj",
-                bytes: pattern::mesh_obj(&document.soup, mm),
-            });
-        }
-        let given = document.surface()?;
-        let Some(layout) = &self.layout else { return Err(nothing_open()) };
-        let scale = size::mm_per_file_unit(document, &self.settings);
-        let surface = layout.surface(given, Some(scale));
-        let stem = stem(&document.name);
-        let file =
-            |suffix: &str, mime, bytes| File { name: format!("{stem}-{suffix}"), mime, bytes };
-        match kind {
-            "Cut curves (OBJ)" => Ok(file("cut.obj", "model/obj", pattern::cut_obj(&surface))),
-            "Cut (JSON)" => {
-                let bytes = pattern::cut_json(&surface, &layout.labels(&self.labels()));
-                Ok(file("cut.json", "application/json", bytes))
-            }
-            "Folded surface (OBJ)" => {
-                let Some(fold) = &self.fold else {
-                    return Err(Problem::new(
-                        "The surface has not been folded.",
-                        format!("{}.", document.name),
-                        "Choose Fold preview first.",
-                    ));
-                };
-                let unit = 1.0 / given.frame.scale;
-                let places: Vec<[f64; 3]> = fold
-                    .flow
-                    .positions()
-                    .iter()
-                    .map(|p| (given.frame.centre + p.coords * unit).into())
-                    .collect();
-                Ok(file("folded.obj", "model/obj", folded_obj(layout, &places)))
-            }
-            "Cones (JSON)" if self.method == Method::Cones => {
-                let bytes = self.cones_file()?;
-                Ok(file("cones.json", "application/json", bytes))
-            }
-            "Report (JSON)" => {
-                #[derive(serde::Serialize)]
-                struct Whole {
-                    info: InfoReport,
-                    #[serde(skip_serializing_if = "Option::is_none")]
-                    cut: Option<CutReport>,
-                    #[serde(skip_serializing_if = "Option::is_none")]
-                    cones: Option<ConesReport>,
-                    #[serde(skip_serializing_if = "Option::is_none")]
-                    phasefield: Option<PhaseFieldReport>,
-                    #[serde(skip_serializing_if = "Option::is_none")]
-                    develop: Option<DevelopReport>,
-                    #[serde(skip_serializing_if = "Vec::is_empty")]
-                    comparison: Vec<ResultCard>,
-                }
-                let info = InfoReport::new(document);
-                let mut whole = Whole {
-                    info,
-                    cut: None,
-                    cones: None,
-                    phasefield: None,
-                    develop: None,
-                    comparison: self.compared.clone(),
-                };
-                match self.method {
-                    Method::CutFlow => whole.cut = Some(self.cut_report(None)?),
-                    Method::Cones => whole.cones = Some(self.cones_report(None)?),
-                    Method::PhaseField => whole.phasefield = Some(self.phase_report(None)?),
-                    Method::Developable => whole.develop = Some(self.develop_report(None)?),
-                }
-                let bytes = self.json(&whole)?;
-                Ok(file("report.json", "application/json", bytes))
-            }
-            _ => Err(Problem::new(
-                format!("There is no export called “{kind}”."),
-                "In the choice of an export.",
-                "Choose Mesh (OBJ), UV mesh (OBJ), UV mesh (GLB), Flat mesh (OBJ), Cut surface (PLY), Cut curves (OBJ), Cut (JSON), Cones (JSON), \
-                 Pattern (SVG), Pattern (DXF), Pattern (PDF), Report (JSON), Project (JSON) or All files (ZIP).",
-            )),
-        }
-    }
-
-    pub(super) fn json(&self, value: &impl serde::Serialize) -> Result<Vec<u8>, Problem> {
-        serde_json::to_vec_pretty(value).map_err(|error| {
-            Problem::new(
-                format!("The report could not be written: {error}."),
-                format!("{}.", self.document.name),
-                "Reset the run and try again.",
-            )
-        })
-    }
 }
 
 /// A flow from the initial cut that the parameters ask for, or from a checkpoint.
@@ -814,35 +558,4 @@ pub(super) fn energy_event(row: &HistoryRow) -> Event {
         terms.push(term("Growth", -weights.area * energy.area));
     }
     Event::Energy { step: row.step, total: row.total, terms }
-}
-
-/// A folded surface with its texture coordinates left out: points of the cut surface, seams sewn.
-fn folded_obj(layout: &Layout, places: &[[f64; 3]]) -> Vec<u8> {
-    let mut text = String::from("# the surface rebuilt from its flat pieces\n");
-    for [x, y, z] in places {
-        text += &format!("v {x} {y} {z}\n");
-    }
-    for [a, b, c] in &layout.cut.triangles {
-        text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
-    }
-    text.into_bytes()
-}
-
-/// A file name without its folders.
-pub(super) fn base_name(name: &str) -> &str {
-    name.rsplit(['/', '\\']).next().unwrap_or(name)
-}
-
-/// A file name without its ending, safe to offer for saving.
-pub(super) fn stem(name: &str) -> String {
-    let base = base_name(name);
-    let stem = base.rsplit_once('.').map_or(base, |(stem, _)| stem);
-    let clean: String = stem
-        .chars()
-        .map(|c| if c.is_alphanumeric() || "-_ ".contains(c) { c } else { '_' })
-        .collect();
-    // What is appended must fit into the 255 bytes that a file's name may have.
-    let end = clean.char_indices().map(|(at, c)| at + c.len_utf8()).take_while(|&end| end <= 80);
-    let clean = clean[..end.last().unwrap_or(0)].trim().replace(' ', "-");
-    if clean.is_empty() { "cutflow".into() } else { clean }
 }

@@ -185,17 +185,26 @@ fn step_time(flow: &mut CutFlow, steps: usize) -> f64 {
     total / (flow.steps() - before) as f64
 }
 
-/// A trial in factorisations, with the adjoint solve that goes before it: cut mesh, assembly, factorisation, solves, energy.
+/// A trial of a line search in factorisations: cut mesh, assembly, factorisation, solve, energy.
 fn trial_ratio(flow: &mut CutFlow, turns: usize, unit: &mut Unit) -> f64 {
     let length = 1e-4 * flow.mean_edge_length();
-    let mut trial = || {
+    let displacements = vec![1.0; flow.crossing_count()];
+    unit.ratio(turns, || {
+        flow.energy_beside(&displacements, length).expect("a small move can be evaluated");
+    })
+}
+
+/// The exact gradient in factorisations, with the adjoint solve where J asks for one.
+fn gradient_ratio(flow: &mut CutFlow, turns: usize, unit: &mut Unit) -> f64 {
+    let length = 1e-4 * flow.mean_edge_length();
+    let both = unit.ratio(turns, || {
         flow.directional_derivative(|_| 1.0, length).expect("a small move can be evaluated");
-    };
-    let both = unit.ratio(turns, &mut trial);
+    });
     let before = flow.factorisations();
     flow.directional_derivative(|_| 1.0, length).expect("as above");
-    // Where the gradient needs an adjoint, the solution before is factored anew for it, which belongs to no trial.
-    both - (flow.factorisations() - before - 1) as f64
+    // The trial beside it has overwritten the factor that an accepted step would have kept for the adjoint.
+    let again = flow.factorisations() - before - 1;
+    both - again as f64 - trial_ratio(flow, turns, unit)
 }
 
 /// A step in factorisations, failed trials included, over the first steps of a run; with a surface, the flattened preview that follows
@@ -394,6 +403,12 @@ fn flow_rows(is_quick: bool, is_many: bool) -> Vec<Row> {
             value: trial_ratio(&mut flow, turns, &mut unit),
             unit: "factorisations",
             limit: Some(1.5),
+        });
+        rows.push(Row {
+            name: format!("gradient, {name}, {vertices} vertices"),
+            value: gradient_ratio(&mut flow, turns, &mut unit),
+            unit: "factorisations",
+            limit: None,
         });
         let surface = sphere_surface(frequency);
         let mut flow =

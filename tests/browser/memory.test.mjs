@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
 
 import { PAGE, RENDERERS, open } from "./chromium.mjs";
+import { Holdings, countGraphics, grown } from "./holdings.mjs";
 import { asOff, asStl, ellipsoid, parseObj } from "./meshes.mjs";
 import { Page } from "./page.mjs";
 
@@ -20,51 +21,18 @@ const mesh = parseObj(text);
 const FILES = [["one.obj", text], ["two.off", asOff(mesh)], ["three.stl", asStl(mesh)]];
 
 describe("twenty documents in a row", { timeout: 600_000 }, () => {
-  let browser, page, tab, devtools;
+  let browser, page, tab, holdings;
   let brought = 0;
   before(async () => {
     browser = await open(renderer);
     tab = browser.page;
     page = new Page(tab);
-    // Objects on the graphics card that were made and not yet given back.
-    await tab.addInitScript(() => {
-      const live = (window.graphics = {});
-      for (const kind of ["Buffer", "Texture", "Framebuffer", "Renderbuffer", "VertexArray", "Program", "Shader", "Sampler"]) {
-        const [make, free] = [`create${kind}`, `delete${kind}`];
-        const { [make]: made, [free]: freed } = WebGL2RenderingContext.prototype;
-        live[kind] = 0;
-        WebGL2RenderingContext.prototype[make] = function (...rest) {
-          live[kind] += 1;
-          return made.apply(this, rest);
-        };
-        WebGL2RenderingContext.prototype[free] = function (object) {
-          if (object) live[kind] -= 1;
-          return freed.call(this, object);
-        };
-      }
-    });
+    await countGraphics(tab);
     await page.visit(`${PAGE}?renderer=${renderer.query}&run=0&sample=car_hood`);
     await tab.waitForSelector("html[data-renderer]", { state: "attached" });
-    devtools = await tab.context().newCDPSession(tab);
+    holdings = await Holdings.of(tab);
   });
   after(() => browser?.close());
-
-  /** Bytes of the two wasm memories. Both modules are there already: importing them again gives the same instances. */
-  async function wasm() {
-    const viewer = await tab.evaluate(async () => (await (await import("./www/pkg/viewer.js")).default()).memory.buffer.byteLength);
-    const [worker] = tab.workers();
-    const engine = await worker.evaluate(async () => (await (await import(new URL("pkg/engine.js", location.href).href)).default()).memory.buffer.byteLength);
-    return { viewer, engine };
-  }
-
-  async function measure() {
-    await devtools.send("HeapProfiler.collectGarbage");
-    const { usedSize: heap } = await devtools.send("Runtime.getHeapUsage");
-    const { nodes, jsEventListeners: listeners, documents } = await devtools.send("Memory.getDOMCounters");
-    const graphics = await tab.evaluate(() => Object.values(window.graphics).reduce((sum, count) => sum + count, 0));
-    const canvases = await tab.evaluate(() => document.querySelectorAll("canvas").length);
-    return { heap, nodes, listeners, documents, graphics, canvases, workers: tab.workers().length, ...(await wasm()) };
-  }
 
   async function bring(documents) {
     for (let i = 0; i < documents; i += 1) {
@@ -80,10 +48,8 @@ describe("twenty documents in a row", { timeout: 600_000 }, () => {
       // Documents that come faster than they are drawn need more at once: each is seen.
       await page.drawn();
     }
-    return measure();
+    return holdings.measure();
   }
-
-  const grown = (before, now) => Object.keys(before).filter((what) => now[what] > GROWTH * before[what]);
 
   it("leave no more behind than the first three", async (t) => {
     const first = await bring(WARM);
@@ -92,14 +58,14 @@ describe("twenty documents in a row", { timeout: 600_000 }, () => {
     t.diagnostic(`after ${DOCUMENTS}: ${JSON.stringify(last)}`);
     assert.equal(last.workers, 1);
     assert.ok(last.graphics > 0, "the graphics are counted");
-    let more = grown(first, last);
+    let more = grown(first, last, GROWTH);
     if (more.length) {
       // The memory of a wasm module never shrinks: frames that once waited for a busy machine leave it larger for good.
       // What leaks grows with each document, so that as many again make it larger once more.
       const before = last;
       last = await bring(DOCUMENTS);
       t.diagnostic(`after ${2 * DOCUMENTS}: ${JSON.stringify(last)}`);
-      const again = grown(before, last);
+      const again = grown(before, last, GROWTH);
       more = more.filter((what) => again.includes(what));
     }
     assert.deepEqual(more.map((what) => `${what} from ${first[what]} to ${last[what]}`), []);

@@ -395,6 +395,26 @@ fn decimation_stays_near_the_surface() {
     assert!(smallest_angle(&made.surface).to_degrees() > 10.0);
 }
 
+/// Another machine, or another build of the same program, rounds in another way.
+#[test]
+fn decimation_of_an_even_surface_does_not_hang_on_last_digits() {
+    let ball = sphere(24);
+    let faces = |seed: u64| {
+        let mut noisy = ball.clone();
+        let mut state = seed;
+        for x in noisy.positions.iter_mut().flat_map(|p| p.iter_mut()) {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            *x *= 1.0 + (((state >> 33) % 9) as f64 - 4.0) * f64::EPSILON;
+        }
+        assert_ne!(noisy.positions, ball.positions);
+        decimate(&noisy, 1200).0.surface.mesh
+    };
+    let plain = decimate(&ball, 1200).0.surface.mesh;
+    for seed in 1..5 {
+        assert_eq!(faces(seed), plain, "seed {seed}");
+    }
+}
+
 #[test]
 fn flows_repeat_bit_for_bit_and_end_quietly() {
     fn check<F: Flow<State = Prepared>>(make: impl Fn() -> F) {

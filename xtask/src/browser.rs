@@ -24,6 +24,15 @@ const DEEP: &str = "people/somebody/cutflow";
 
 /// Drives the page, as served to work on and as packed for a host, in Chromium with each graphics backend.
 pub fn test() -> Result<()> {
+    drive("run.mjs", None)
+}
+
+/// Steps in one page for so many hours: memory stays flat.
+pub fn soak(hours: f64) -> Result<()> {
+    drive("long.test.mjs", Some(hours))
+}
+
+fn drive(script: &str, hours: Option<f64>) -> Result<()> {
     tools::npm_packages(&project::browser_tests())?;
     let chromium = tools::chromium()?;
     let host = project::target().join("host");
@@ -35,12 +44,15 @@ pub fn test() -> Result<()> {
 
     let mut node = process::command("node");
     node.current_dir(project::browser_tests());
-    node.args(["--test-reporter=./reporter.mjs", "run.mjs"]);
+    node.args(["--test-reporter=./reporter.mjs", script]);
     node.env("CUTFLOW_URL", format!("http://127.0.0.1:{}/", page.port()))
         .env("CUTFLOW_PACKED_URL", format!("http://127.0.0.1:{}/{DEEP}/", packed.port()))
         .env("CUTFLOW_SCREENSHOTS", screenshots)
         .env("CHROMIUM", chromium)
         .env("CHROMIUM_FLAGS", FLAGS.join(" "));
+    if let Some(hours) = hours {
+        node.env("CUTFLOW_HOURS", hours.to_string());
+    }
     process::run(&mut node)
 }
 

@@ -46,9 +46,10 @@ cargo xtask COMMAND
                               group of native ones: memory, flow, growth, convergence, spheres, values, session,
                               cones, charts, phasefield, develop, patterns, import, stages
   soak  [--executions N] [--sequences N] [--cycles N] [--seed S] [--sequence NUMBER]
-        [--only degenerate|cycles|fuzzing|sequences]
+        [--hours H] [--only degenerate|cycles|fuzzing|sequences|browser]
                               hard use for hours: commands in any order, damaged files, surfaces that
-                              hardly are any, a thousand runs in one session; prints what was done and what was found
+                              hardly are any, a thousand runs in one session, two hours of steps in one page; prints
+                              what was done and what was found
   help                        this text
 
 --dist builds what people download: link-time optimised and squeezed, several minutes.

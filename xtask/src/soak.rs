@@ -1,14 +1,19 @@
 //! `cargo xtask soak`: hard use, as often as asked.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use crate::args::Args;
-use crate::process;
+use crate::build::{Profile, build};
+use crate::{browser, process};
 
 /// What may be told to the harness, beside the part that is wanted.
 const NUMBERS: [&str; 5] = ["--executions", "--sequences", "--cycles", "--seed", "--sequence"];
 
-/// Runs the harness of `tests/soak` natively, in a profile of release speed that still checks sums for overflow.
+/// The part that needs a browser.
+const BROWSER: &str = "browser";
+
+/// Runs the harness of `tests/soak` natively, in a profile of release speed that still checks sums for overflow; then the page's long
+/// run in a browser.
 pub fn soak(mut args: Args) -> Result<()> {
     let mut told = Vec::new();
     for name in NUMBERS {
@@ -17,13 +22,30 @@ pub fn soak(mut args: Args) -> Result<()> {
             told.extend([name.to_owned(), word]);
         }
     }
-    if let Some(part) = args.value("--only")? {
-        told.extend(["--only".into(), part]);
-    }
+    let hours = match args.value("--hours")? {
+        None => 2.0,
+        Some(word) => match word.parse::<f64>() {
+            Ok(hours) if hours > 0.0 && hours <= 100.0 => hours,
+            _ => bail!("--hours {word}: not a number of hours"),
+        },
+    };
+    let only = args.value("--only")?;
     args.finish()?;
-    let mut cargo = process::cargo("bench");
-    cargo.args(["--bench", "soak", "--profile", "soak", "--"]).args(told);
-    process::run(&mut cargo)
+    // One sequence is looked at by itself.
+    let is_one = told.iter().any(|word| word == "--sequence");
+    if only.as_deref() != Some(BROWSER) {
+        let mut cargo = process::cargo("bench");
+        cargo.args(["--bench", "soak", "--profile", "soak", "--"]).args(told);
+        if let Some(part) = &only {
+            cargo.args(["--only", part]);
+        }
+        process::run(&mut cargo)?;
+    }
+    if only.as_deref().map_or(!is_one, |only| only == BROWSER) {
+        build(Profile::Release)?;
+        browser::soak(hours)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -40,6 +62,7 @@ mod tests {
         assert!(refused("--executions many").contains("--executions many"));
         assert!(refused("--sequences -1").contains("--sequences"));
         assert!(refused("--seed x").contains("--seed x"));
-        assert!(refused("--hours 3").contains("--hours"));
+        assert!(refused("--hours 0").contains("--hours 0"));
+        assert!(refused("--days 3").contains("--days"));
     }
 }

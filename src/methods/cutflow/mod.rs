@@ -470,13 +470,19 @@ impl CutFlow {
     ) -> Result<(f64, f64), SolveError> {
         let gradient = self.gradient()?;
         let direction: Vec<f64> = (0..gradient.len()).map(displacement).collect();
+        Ok((dot(&gradient, &direction), self.energy_beside(&direction, length)?))
+    }
+
+    /// J after normal displacements of the crossings by `length` times these, one for each crossing: one trial of a line search.
+    pub fn energy_beside(&mut self, displacements: &[f64], length: f64) -> Result<f64, SolveError> {
+        assert_eq!(displacements.len(), self.state.cut.crossings.len());
         let mut levels = self.state.levels.clone();
-        self.state.response.apply(&direction, length, &mut levels.values);
+        self.state.response.apply(displacements, length, &mut levels.values);
         levels.project();
         let (_, solution) = self.evaluate(&levels)?;
         let total = solution.energy.total;
         self.spare = Some(solution);
-        Ok((dot(&gradient, &direction), total))
+        Ok(total)
     }
 
     /// Whether regions may vanish and L-BFGS is used: more than two labels.

@@ -57,6 +57,16 @@ const THIN: f64 = 0.1;
 /// vertices would otherwise move corners of a rim a little, and cut them.
 const SNAP: f64 = 0.05;
 
+/// Bits of a cost that are not compared: costs within about a thousandth of each other are alike, and numbers of vertices tell which
+/// goes first. On even surfaces many are the same but for rounding, which is another one on other machines.
+const ALIKE: u32 = 42;
+
+/// Sorts costs, which are not below zero.
+fn rank(cost: f64) -> u64 {
+    // Bits of such numbers sort like the numbers. Round numbers stand in the middle of what is alike.
+    (cost.to_bits() + (1 << (ALIKE - 1))) >> ALIKE
+}
+
 /// What may happen to a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -77,7 +87,7 @@ struct Plan {
     share: Option<f64>,
 }
 
-/// An edge in the queue: bits of its cost, its ends, and how often these had been changed then.
+/// An edge in the queue: the rank of its cost, its ends, and how often these had been changed then.
 type Entry = Reverse<(u64, [u32; 2], [u32; 2])>;
 
 /// Takes triangles away where they tell least.
@@ -172,8 +182,7 @@ impl DecimateFlow {
     fn entry(&self, a: u32, b: u32) -> Option<Entry> {
         let ends = [a.min(b), a.max(b)];
         let plan = self.plan(ends)?;
-        // Bits of numbers not below zero sort like the numbers.
-        Some(Reverse((plan.cost.to_bits(), ends, ends.map(|v| self.changes[v as usize]))))
+        Some(Reverse((rank(plan.cost), ends, ends.map(|v| self.changes[v as usize]))))
     }
 
     fn place(&self, v: u32) -> Vector3<f64> {

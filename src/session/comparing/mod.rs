@@ -15,11 +15,12 @@ mod runs;
 mod settings;
 mod table;
 
+use super::exporting::stem;
 use super::message::{Command, Event, File};
 use super::method::Method;
 use super::project::{Entry, Log};
 use super::text::Problem;
-use super::work::{Snapshot, Work, stem};
+use super::work::{Snapshot, Work};
 use super::{Session, nothing_open};
 
 pub(super) use runs::Queue;

@@ -2,11 +2,12 @@
 
 use std::rc::Rc;
 
+use super::super::exporting::stem;
 use super::super::layout::Layout;
 use super::super::message::File;
 use super::super::params::{Settings, whole};
 use super::super::text::Problem;
-use super::super::work::{Work, stem};
+use super::super::work::Work;
 use super::super::{nothing_open, picture, size};
 use super::Patterning;
 use super::pictures::rgb;

@@ -7,13 +7,14 @@ mod specs;
 
 use std::collections::BTreeMap;
 
+use super::exporting::base_name;
 use super::layout::Layout;
 use super::message::Command;
 use super::message::{Event, TradeChoice, Value};
 use super::params::{Effect, Settings, whole};
 use super::surface::Surface;
 use super::text::Problem;
-use super::work::{Work, base_name};
+use super::work::Work;
 use super::{Entry, Session, nothing_open};
 use crate::methods::flow::{Flow, Status};
 use crate::pattern::allowance::{AllowanceParams, Corner};

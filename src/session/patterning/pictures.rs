@@ -2,10 +2,11 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::super::exporting::stem;
 use super::super::message::File;
 use super::super::scene::PALETTE;
 use super::super::text::Problem;
-use super::super::work::{Work, stem};
+use super::super::work::Work;
 use super::super::{nothing_open, picture};
 use super::exports::too_large;
 use crate::pattern::{self, Channels, Picture, PortraitParams, piece_name, portrait, side_by_side};
