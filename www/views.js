@@ -316,10 +316,10 @@ export class Views {
     return reduced(this.#canvas(view), width, height, view === FLAT);
   }
 
-  /** Setting the theme makes the viewer draw although nothing else may be new. */
+  /** Setting the theme makes the viewer draw although nothing else may be new; of a large mesh it shades some vertices with each picture. */
   #drawAnyway() {
     this.#viewer.set_theme(this.#flags.dark);
-    this.#viewer.draw();
+    while (this.#viewer.draw());
   }
 
   #canvas(view) {

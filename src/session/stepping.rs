@@ -28,7 +28,8 @@ impl Session {
                 self.give_up(problem, &mut events);
                 break;
             }
-            if !go_on() {
+            // Charts take longest: what cones there are is told before.
+            if self.are_charts_due() || !go_on() {
                 break;
             }
         }

@@ -24,6 +24,10 @@ const SPREAD: f32 = 0.577;
 const RANGE: f32 = 1.0;
 /// What is left of the light above an open place, whose own cells the low cones graze.
 const OPEN: f32 = 0.82;
+/// Places that are looked at for one picture, a few hundredths of a second's work: more would hold the page up.
+const AT_ONCE: usize = 6000;
+/// What a place that has not been looked at yet sees of the sky.
+const UNKNOWN: f32 = 0.85;
 /// Pixels along a side of the ground shadow. It is soft: more would show nothing.
 pub const SHADOW_PIXELS: usize = 80;
 /// Half the side of the ground that has a shadow.
@@ -37,6 +41,9 @@ pub struct Occlusion {
     ground: f32,
     known: HashMap<[u32; 3], f32>,
     known_limit: usize,
+    /// How many places may still be looked at for this picture, and whether one had to be passed over.
+    left: usize,
+    is_behind: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -54,7 +61,14 @@ impl Occlusion {
             levels.push(levels[levels.len() - 1].halved());
         }
         let ground = scene.positions.iter().skip(1).step_by(3).copied().fold(0.0, f32::min);
-        Self { levels, ground, known: HashMap::new(), known_limit: 3 * scene.vertex_count() + 1000 }
+        Self {
+            levels,
+            ground,
+            known: HashMap::new(),
+            known_limit: 3 * scene.vertex_count() + 1000,
+            left: AT_ONCE,
+            is_behind: false,
+        }
     }
 
     /// Height of the ground: the lowest point of the surface.
@@ -62,7 +76,17 @@ impl Occlusion {
         self.ground
     }
 
-    /// How much of the sky a point of the surface sees, 0 to 1.
+    /// Another picture begins.
+    pub fn begin(&mut self) {
+        (self.left, self.is_behind) = (AT_ONCE, false);
+    }
+
+    /// Whether places were passed over since then: the next picture will show them better.
+    pub fn is_behind(&self) -> bool {
+        self.is_behind
+    }
+
+    /// How much of the sky a point of the surface sees, 0 to 1; a guess where too many are new at once.
     pub fn openness(&mut self, position: Vec3, normal: Vec3) -> f32 {
         let key = position.to_array().map(f32::to_bits);
         if let Some(&openness) = self.known.get(&key) {
@@ -72,6 +96,11 @@ impl Occlusion {
         if self.known.len() > self.known_limit {
             self.known.clear();
         }
+        if self.left == 0 {
+            self.is_behind = true;
+            return UNKNOWN;
+        }
+        self.left -= 1;
         let openness = self.look(position, normal);
         self.known.insert(key, openness);
         openness

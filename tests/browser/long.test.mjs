@@ -1,5 +1,5 @@
-// Steps upon steps in one page: hours of them hold what minutes hold. Some hundred on a small mesh; with CUTFLOW_HOURS in the
-// environment (`cargo xtask soak --only browser`) so many hours of them on 20 480 triangles.
+// Steps upon steps in one page: hours of them hold what minutes hold. Some hundreds on a small mesh; with CUTFLOW_HOURS in the
+// environment (`cargo xtask soak`) so many hours of them on 20 480 triangles.
 
 import assert from "node:assert/strict";
 import { after, before, describe, it } from "node:test";
@@ -11,10 +11,12 @@ import { Page } from "./page.mjs";
 
 const [renderer] = RENDERERS;
 const HOURS = Number(process.env.CUTFLOW_HOURS ?? 0);
-/** Without hours the time is compressed: so many steps, of a mesh with so many times fewer triangles. */
-const STEPS = 800;
 const LEVEL = HOURS ? 5 : 3;
-/** What may be there in the end more than after the first tenth. */
+/** Undo goes back 40 changes, of which a run takes three: only then is everything there that may be. */
+const WARM = 15;
+/** Runs after that, if no hours are given. */
+const RUNS = 15;
+/** What may be there in the end more than after the first runs. */
 const GROWTH = HOURS ? 1.05 : 1.1;
 /** Starts by turns, so that not one run is repeated. */
 const STARTS = ["plane", "circle", "random"];
@@ -45,18 +47,19 @@ describe("a long run", { timeout: HOURS * 1.5 * 3_600_000 + 600_000 }, () => {
     return Number(steps);
   }
 
-  /** Runs until a share of the whole is done. Gives the steps. */
-  async function go(share) {
-    const end = performance.now() + share * HOURS * 3_600_000;
+  /** So many runs, or at least one and as many as take so many hours. Gives their steps. */
+  async function go(count, hours = 0) {
+    const end = performance.now() + hours * 3_600_000;
     let steps = 0;
-    while (HOURS ? performance.now() < end : steps < share * STEPS) steps += await run();
+    for (let i = 0; i < count || performance.now() < end; i += 1) steps += await run();
     return steps;
   }
+  const goOn = (share) => (HOURS ? go(1, share * HOURS) : go(share * RUNS));
 
-  it("holds in the end what it held after its first tenth", async (t) => {
-    let steps = await go(0.1);
+  it("holds in the end what it held after its first runs", async (t) => {
+    let steps = await go(WARM);
     const first = await holdings.measure();
-    steps += await go(0.9);
+    steps += await goOn(1);
     let last = await holdings.measure();
     t.diagnostic(`${runs} runs, ${steps} steps: ${JSON.stringify(first)}, ${JSON.stringify(last)}`);
     let more = grown(first, last, GROWTH);
@@ -64,7 +67,7 @@ describe("a long run", { timeout: HOURS * 1.5 * 3_600_000 + 600_000 }, () => {
       // The memory of a wasm module never shrinks: one frame that waited for a busy machine leaves it larger for good. What leaks
       // grows on.
       const before = last;
-      await go(0.5);
+      await goOn(0.5);
       last = await holdings.measure();
       const again = grown(before, last, 1 + (GROWTH - 1) / 2);
       more = more.filter((what) => again.includes(what));

@@ -106,10 +106,7 @@ impl Stage {
         let hovered = RimChoice::Patch(if self.pointing.has_seam() { NONE } else { self.hover });
         let isolated = self.isolated();
         match part {
-            Part::Geometry => match &mut self.occlusion {
-                Some(occlusion) => arrays::geometry(scene, occlusion),
-                None => Vec::new(),
-            },
+            Part::Geometry | Part::LayerVertices => self.shaded_bytes(part),
             Part::Paint => arrays::paint(scene),
             Part::Charts => arrays::charts(scene),
             Part::Triangles => self.shown_triangles(),
@@ -153,10 +150,6 @@ impl Stage {
                 Some(occlusion) => occlusion.ground_shadow(),
                 None => vec![0; occlusion::SHADOW_PIXELS.pow(2)],
             },
-            Part::LayerVertices => match &mut self.occlusion {
-                Some(occlusion) => layers::vertices(scene, occlusion),
-                None => Vec::new(),
-            },
             Part::LayerTriangles => layers::triangles(scene, false),
             Part::LayerChartTriangles => layers::triangles(scene, true),
             Part::LayerRims => layers::rim_ribbons(scene),
@@ -165,5 +158,20 @@ impl Stage {
                 levels.into_iter().flatten().flat_map(|(_, _, bytes)| bytes).copied().collect()
             }
         }
+    }
+
+    /// Vertices with soft shade. Of a large mesh that is new some are shaded with each picture, so that no picture is late.
+    fn shaded_bytes(&mut self, part: Part) -> Vec<u8> {
+        let Some(occlusion) = &mut self.occlusion else { return Vec::new() };
+        occlusion.begin();
+        let bytes = match part {
+            Part::LayerVertices => layers::vertices(&self.scene, occlusion),
+            _ => arrays::geometry(&self.scene, occlusion),
+        };
+        if occlusion.is_behind() {
+            self.stamp(true, &[part]);
+            self.dirty[View::Surface as usize] = true;
+        }
+        bytes
     }
 }

@@ -310,3 +310,26 @@ fn a_broken_scene_leaves_the_stage_as_it_was() {
     assert!(stage.set_scene(broken).is_err());
     assert_eq!(*stage.scene(), two_squares());
 }
+
+#[test]
+fn a_large_mesh_is_shaded_over_several_pictures() {
+    let mut ball = unit_ball(5, 0);
+    // As many vertices again, inside: more than are looked at for one picture.
+    ball.positions.extend(ball.positions.clone().iter().map(|x| 0.5 * x));
+    ball.normals.extend_from_within(..);
+    ball.charts.extend_from_within(..);
+    ball.vertex_patches.extend_from_within(..);
+    ball.values.extend_from_within(..);
+    let mut stage = stage(ball);
+    let mut pictures = Vec::new();
+    while pictures.is_empty() || stage.take_dirty(View::Surface) {
+        stage.take_dirty(View::Surface);
+        let stamp = stage.stamp_of(Part::Geometry);
+        pictures.push(stage.bytes(Part::Geometry));
+        let is_last = stage.stamp_of(Part::Geometry) == stamp;
+        assert_eq!(is_last, !stage.dirty[View::Surface as usize], "what is new is drawn");
+    }
+    assert_eq!(pictures.len(), 2);
+    assert_ne!(pictures[0], pictures[1]);
+    assert_eq!(stage.bytes(Part::Geometry), pictures[1]);
+}
