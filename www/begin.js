@@ -16,6 +16,8 @@ export async function begin(page, act, asked) {
     page.saving.stayInMemory();
   }
   page.texture.ask(asked.look);
+  // A link without a sample is about a mesh that somebody brings: the first one.
+  if (asked.sample === null || asked.sample === NO_SAMPLE) act.bringToFirst(() => apply(page, act, asked));
   await page.waits.answer("Starting the solver", "The solver was started again.", () => page.client.command({ type: "hello" }));
   // Nothing of another method is shown first.
   if (asked.method !== now.method && page.tabs.has(asked.method)) await act.setMethod(asked.method);
@@ -29,8 +31,17 @@ export async function begin(page, act, asked) {
   const wanted = asked.sample ?? FIRST_SAMPLE;
   const isKnown = options.length === 0 || options.some(({ name }) => name === wanted);
   if (!isKnown) page.say(`There is no sample named ${wanted}; this is the ${FIRST_SAMPLE}.`);
-  const opened = await act.openSample(isKnown ? wanted : FIRST_SAMPLE);
+  const opened = await act.openSample(isKnown ? wanted : FIRST_SAMPLE, true);
   if (!opened) return;
+  await apply(page, act, asked);
+  if (asked.run) await page.client.command({ type: "run" });
+  if (asked.stage) page.learn.openAt(asked.stage);
+}
+
+/** Gives the open document the parameters and the looks that the address asks for; they mean nothing to another method. */
+async function apply(page, act, asked) {
+  const { now } = page;
+  if (asked.method !== now.method && page.tabs.has(asked.method)) return;
   if (asked.view) page.views.setPose(asked.view);
   for (const spec of page.parameters.specs()) {
     const value = spec.id in asked.values ? valueFor(spec, asked.values[spec.id]) : undefined;
@@ -39,8 +50,6 @@ export async function begin(page, act, asked) {
     }
   }
   if (now.fields.options.some(({ id }) => id === asked.field)) act.showField(asked.field);
-  if (asked.run) await page.client.command({ type: "run" });
-  if (asked.stage) page.learn.openAt(asked.stage);
 }
 
 /** The last session is offered beside the sample; what is done by hand from then on is kept for the next visit. */

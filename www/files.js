@@ -5,15 +5,32 @@ import { plural } from "./format.js";
 import { download } from "./panels/export-menu.js";
 import { FLAT, SURFACE } from "./view-names.js";
 
+/** Projects bring settings of their own. The engine tells them by the same word near their beginning. */
+const isProject = ({ bytes }) => Boolean(bytes) && new TextDecoder().decode(bytes.subarray(0, 200)).includes('"cutflow_project"');
+
 /** `page` holds the parts of the page, `act` what people do with them. */
 export function files(page, act) {
   const { now } = page;
+  /** What is still to be done with the first document that a person opens, null for nothing. */
+  let first = null;
 
-  async function opening(name, open) {
+  /** `task()` is done once, after a person has opened the first mesh or sample; a project that is opened before ends the wait. */
+  function bringToFirst(task) {
+    first = task;
+  }
+
+  /** `isOwn` where the page opens it of its own accord. */
+  async function opening(name, open, isOwn = false) {
     page.status.show({ state: "loading", step: 0, text: `Loading ${name}` });
     const answer = await page.waits.answer(`Loading ${name}`, "Opening was cancelled.", open);
     // The engine says how it went; a refused file leaves the document before it in place.
-    return answer.events.some((event) => event.type === "mesh");
+    const isOpen = answer.events.some((event) => event.type === "mesh");
+    if (isOpen && !isOwn && first) {
+      const task = first;
+      first = null;
+      if (!isProject(page.client.document)) await task();
+    }
+    return isOpen;
   }
 
   async function openFile(file, left) {
@@ -37,9 +54,9 @@ export function files(page, act) {
     }
   }
 
-  function openSample(name) {
+  function openSample(name, isOwn) {
     const option = now.samples.options.find((sample) => sample.name === name);
-    return opening(option?.label ?? name, () => page.client.openSample(name));
+    return opening(option?.label ?? name, () => page.client.openSample(name), isOwn);
   }
 
   function showSamples() {
@@ -67,5 +84,5 @@ export function files(page, act) {
     if (file) download(file.name, new Blob([file.bytes], { type: file.mime }));
   }
 
-  return { opening, openFile, openSample, showSamples, save };
+  return { bringToFirst, opening, openFile, openSample, showSamples, save };
 }

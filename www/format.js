@@ -103,10 +103,13 @@ export function rounds(min, max) {
   return list.filter((value) => value >= min * (1 - 1e-9) && value <= max * (1 + 1e-9));
 }
 
-/** A tick without decimals that say nothing. */
+/** A number without decimals that say nothing. */
+export const trimmed = (text) => (/\.\d+$/.test(text) ? text.replace(/\.?0+$/, "") : text);
+
+/** A tick, without decimals that say nothing; large ones by their power of ten: `1.25e5`. */
 export function tick(value) {
-  const text = short(value);
-  return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+  if (Math.abs(value) < 1e5) return trimmed(short(value));
+  return Number(value.toPrecision(3)).toExponential().replace("+", "").replace("-", MINUS);
 }
 
 /** 0.001, 0.01 …: the powers of ten inside a range. */

@@ -40,7 +40,13 @@ impl Work {
                 .collect();
             return (!texts.is_empty()).then(|| texts.join(" "));
         }
-        let texts: Vec<String> = self.notices(layout).into_iter().map(|n| n.text).collect();
+        let of_method = self.segmentation().map(|segmentation| segmentation.notes());
+        let texts: Vec<String> = self
+            .notices(layout)
+            .into_iter()
+            .map(|notice| notice.text)
+            .chain(of_method.unwrap_or_default())
+            .collect();
         (!texts.is_empty()).then(|| texts.join(" "))
     }
 

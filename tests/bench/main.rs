@@ -188,7 +188,7 @@ fn step_time(flow: &mut CutFlow, steps: usize) -> f64 {
 /// A trial of a line search in factorisations: cut mesh, assembly, factorisation, solve, energy.
 fn trial_ratio(flow: &mut CutFlow, turns: usize, unit: &mut Unit) -> f64 {
     let length = 1e-4 * flow.mean_edge_length();
-    let displacements = vec![1.0; flow.crossing_count()];
+    let displacements = vec![1.0; flow.state().crossing_count()];
     unit.ratio(turns, || {
         flow.energy_beside(&displacements, length).expect("a small move can be evaluated");
     })

@@ -123,6 +123,20 @@ for (const renderer of RENDERERS) {
       pictures[renderer.name] = await picture();
     });
 
+    it("turns a switch where its text is clicked, changed or not", async () => {
+      const merge = browser.page.getByRole("switch", { name: "Merge clusters", exact: true });
+      const text = browser.page.locator("#settings label").filter({ has: merge }).getByText("Merge clusters", { exact: true });
+      const reset = browser.page.getByRole("button", { name: "Reset Merge clusters to on", exact: true });
+      for (const isOn of [false, true, false]) {
+        await text.click();
+        await page.until("it is turned", () => merge.isChecked(), (value) => value === isOn);
+        await reset.waitFor({ state: isOn ? "hidden" : "visible" });
+      }
+      await reset.click();
+      await page.until("the default is back", () => merge.isChecked(), (value) => value);
+      await rest();
+    });
+
     it("adds a cone where somebody clicks, takes it elsewhere, and removes it", async () => {
       const count = await rest();
       await forget();
@@ -186,6 +200,7 @@ for (const renderer of RENDERERS) {
     it("follows the slider of λ, one question at a time", async () => {
       const before = await restRaw();
       await forget();
+      await slider().scrollIntoViewIfNeeded();
       const box = await slider().boundingBox();
       const y = box.y + box.height / 2;
       const at = await slider().evaluate((input) => Number(input.value) / Number(input.max));

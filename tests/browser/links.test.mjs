@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { after, describe, it } from "node:test";
 
 import { PAGE, screenshot } from "./chromium.mjs";
+import { ellipsoid } from "./meshes.mjs";
 import { records, visitors } from "./visitors.mjs";
 
 const address = (query) => `${PAGE}?renderer=webgl&${query}`;
@@ -67,6 +68,20 @@ describe("addresses", { timeout: 600_000 }, () => {
         assert.deepEqual(next.troubles, []);
       });
     }
+
+    it("without a sample give their setting to the first mesh that is opened, and to no other", async () => {
+      for (const query of ["sample=none&", ""]) {
+        const page = await tab(await visitor());
+        await page.visit(address(`${query}method=cones&run=0&p.lambda=0.02&p.round=false`));
+        const lambda = () => page.page.locator("#settings .path + .param input:not([type=range])").inputValue();
+        await page.bring("first.obj", ellipsoid(2), /^(Ready$|Converged)/);
+        await page.until("the link's λ", lambda, (text) => text === "0.0200");
+        await page.until("the link's switch", () => page.page.getByRole("switch", { name: "Merge clusters", exact: true }).isChecked(), (value) => !value);
+        await page.bring("second.obj", ellipsoid(2), /^(Ready$|Converged)/);
+        await page.until("the usual λ", lambda, (text) => text !== "0.0200");
+        assert.deepEqual(page.troubles, []);
+      }
+    });
 
     it("that would be too long are refused with a word", async () => {
       const page = await tab(await visitor());

@@ -67,6 +67,24 @@ describe("steering the cut", { timeout: 600_000 }, () => {
     await reset.waitFor({ state: "hidden" });
   });
 
+  it("says where a number that was typed beyond the range has ended", async () => {
+    const length = number("Cut length");
+    const usual = await length.inputValue();
+    const said = browser.page.locator("#settings .param").filter({ has: browser.page.getByLabel("Cut length", { exact: true }) }).getByText(/ is the (largest|smallest) value here\.$/);
+    await length.fill(usual);
+    await length.press("Enter");
+    assert.equal(await said.count(), 0, "nothing is said of others");
+    await length.fill("1e9");
+    await length.press("Enter");
+    await said.waitFor({ state: "visible" });
+    const [most] = (await said.textContent()).split(" ");
+    assert.equal(Number.parseFloat(most), Number.parseFloat(await length.inputValue()));
+    await length.fill(usual);
+    await length.press("Enter");
+    await said.waitFor({ state: "detached" });
+    await page.until("the default", () => length.inputValue(), (value) => value === usual);
+  });
+
   it("remembers which groups are folded", async () => {
     const first = () => browser.page.locator("#settings details").first();
     assert.ok(await first().evaluate((node) => node.open), "the first group is open at first");

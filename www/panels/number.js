@@ -1,7 +1,7 @@
 // A number with its slider, evenly or by ratio, as the parameters of methods and tools have it.
 
-import { h } from "../dom.js";
-import { dial, fixed, parse } from "../format.js";
+import { h, write } from "../dom.js";
+import { dial, fixed, parse, trimmed } from "../format.js";
 
 /** Positions of a slider's handle. */
 export const NOTCHES = 1000;
@@ -84,6 +84,7 @@ export function numberRow(spec, range, change) {
       place(shown);
     },
   });
+  const limit = h("p", { class: "fine", "aria-live": "polite" });
   let shown = spec.default;
 
   function print(value) {
@@ -95,6 +96,7 @@ export function numberRow(spec, range, change) {
     slider.style.setProperty("--v", `${(100 * slider.value) / NOTCHES}%`);
   }
   function set(value) {
+    if (value !== shown) write(limit, "");
     slider.style.setProperty("--v", `${(100 * slider.value) / NOTCHES}%`);
     if (value === shown) return;
     shown = value;
@@ -102,11 +104,22 @@ export function numberRow(spec, range, change) {
     change(value);
   }
   function commit() {
+    // After Enter the browser tells of the same change once more.
+    if (input.value === text(shown)) return;
     const value = parse(input.value);
-    if (Number.isFinite(value)) set(round(value));
+    const isNumber = Number.isFinite(value);
+    if (isNumber) set(round(value));
     show(shown);
+    write(limit, isNumber ? beyond(value) : "");
+  }
+  /** Says of a number that was typed beyond the range where that ends, nothing of others. */
+  function beyond(value) {
+    const within = Math.min(range.max, Math.max(range.min, value));
+    if (text(value) === text(within)) return "";
+    return `${[trimmed(text(within)), unit].filter(Boolean).join(" ")} is the ${value > within ? "largest" : "smallest"} value here.`;
   }
   function show(value) {
+    if (value !== shown) write(limit, "");
     shown = value;
     print(value);
     place(value);
@@ -117,6 +130,7 @@ export function numberRow(spec, range, change) {
     h("span", { class: "pn" }, spec.label, " ", spec.symbol ? symbolNodes(spec.symbol) : null),
     h("label", { class: "num" }, input, h("span", {}, unit)),
     slider,
+    limit,
   );
   return {
     row,

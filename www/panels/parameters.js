@@ -71,7 +71,8 @@ function switchRow(spec, change) {
 export function parameterRow(spec, change) {
   const { show, ...entry } = { spec, isChanged: false, ...rowFor(spec, change) };
   const dot = changedDot(spec, entry.text, change);
-  entry.row.prepend(dot);
+  // A click on the text of a label is one on the first control in it: the dot comes last.
+  entry.row.append(dot);
   entry.show = (values) => {
     const value = values[spec.id];
     if (spec.id in values) show(value);

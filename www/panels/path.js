@@ -12,8 +12,20 @@ const FLOOR = HEIGHT - 16;
 /** Half of a slider's handle, whose middle moves between these distances from the ends. */
 const HANDLE = 6;
 
+/** Pixels of a letter of the label. */
+const LETTER = 6.6;
+/** Between the top and a line of text that stands clear of the button. */
+const CLEAR = 38;
+
 /** The place of a count: the root shows few beside many. */
 const rise = (n, most) => FLOOR - ((FLOOR - TOP) * Math.sqrt(n)) / Math.sqrt(Math.max(1, most));
+
+/** What is said of so many optimal cones of which so many are in use: neighbours are merged, others set by hand. */
+function wordings(raw, used) {
+  const whole = plural(raw, "cone");
+  if (used === raw) return [whole];
+  return used < raw ? [`${whole}, merged to ${count(used)}`, whole] : [`${plural(used, "cone")} in use`];
+}
 
 /** `on.trace()` and `on.stop()` begin and end the computation, `on.clear()` drops edits, `on.lambda(value)` sets λ. */
 export function pathPanel(on) {
@@ -28,6 +40,7 @@ export function pathPanel(on) {
   const stop = h("button", { type: "button", class: "act", onclick: on.stop }, "Stop");
   const work = h("div", { class: "tracing", hidden: true }, bar, stop);
   const trace = h("button", { type: "button", class: "act", hidden: true, title: "Solve for every λ once: then the whole path is seen, and found again at once", onclick: on.trace }, "Trace path");
+  const over = h("div", { class: "over" }, work, trace);
   const edited = h(
     "p",
     { class: "edited", hidden: true },
@@ -35,7 +48,7 @@ export function pathPanel(on) {
     h("button", { type: "button", class: "act", onclick: on.clear, title: "Drops all edits: the optimum chooses places and angles again" }, "Drop edits"),
   );
   const note = h("p", { class: "fine", hidden: true });
-  const node = h("div", { class: "path", hidden: true }, h("div", { class: "pathplot" }, svg, h("div", { class: "over" }, work, trace)));
+  const node = h("div", { class: "path", hidden: true }, h("div", { class: "pathplot" }, svg, over));
   // Below the sliders, which are not to move away under a hand.
   const foot = h("div", { class: "pathfoot", hidden: true }, note, edited);
   new ResizeObserver(([{ contentRect }]) => {
@@ -73,19 +86,42 @@ export function pathPanel(on) {
     return { line: path, area: `${path}V${FLOOR}H${width}Z`, left };
   }
 
+  /** The text of the dot at x, y: the longer one where there is room, to the right before all, where the curve lies lower. */
+  function labelAt(x, y, texts, most, hasButton) {
+    const fits = texts.flatMap((text) => [[text, x + 8], [text, x - 8 - LETTER * text.length]]);
+    const [text, start] = fits.find(([text, start]) => start >= 0 && start + LETTER * text.length <= width) ?? fits.at(-1);
+    const end = start + LETTER * text.length;
+    const least = hasButton && end > over.offsetLeft ? CLEAR : 12;
+    // To the left the curve rises: the label stands below it, or above all of it near the floor.
+    const highest = Math.min(y, ...points.filter((point) => start <= place(point.lambda) && place(point.lambda) <= x).map((point) => rise(point.count, most)));
+    const wanted = start > x || points.length === 0 ? y - 7 : y + 17 < FLOOR ? y + 17 : highest - 5;
+    return { text, start, end, y: Math.max(least, Math.min(wanted, FLOOR - 4)) };
+  }
+
   const redraw = paced(INTERVAL, () => {
     node.hidden = !range;
     foot.hidden ||= !range;
     if (!range || width < 40) return;
     const { min, max } = range;
+    work.hidden = !isTracing;
+    const reached = points.length > 0 ? Math.log(points[0].lambda / points.at(-1).lambda) / Math.log(points[0].lambda / min) : 0;
+    if (Number.isFinite(reached)) bar.value = Math.min(1, Math.max(0, reached));
+    const hadFocus = document.activeElement === trace || document.activeElement === stop || document.activeElement === document.body;
+    trace.hidden = isTracing || isComplete || !now;
+    write(trace, points.length > 1 ? "Trace the rest" : "Trace path");
+    if (hadFocus && document.activeElement === document.body && wasPressed) (isTracing ? stop : trace).focus({ preventScroll: true });
+
     svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
     const shown = now?.raw_count ?? now?.cones.length ?? 0;
     // Alone the point stands in the middle: nothing is known of the numbers beside it.
     const most = Math.max(1, points.length > 0 ? shown : 4 * shown, ...points.map((point) => point.count));
+    const hasButton = !(trace.hidden && work.hidden);
     const nodes = [];
+    const marks = [];
     for (const tick of [10, 100, 1000, 10_000].filter((tick) => tick < 0.9 * most && most < 120 * tick)) {
       const y = Math.round(rise(tick, most)) + 0.5;
-      nodes.push(s("path", { class: "grid", d: `M0 ${y}H${width}` }), s("text", { class: "ax", x: width, y: y - 3, "text-anchor": "end" }, count(tick)));
+      nodes.push(s("path", { class: "grid", d: `M0 ${y}H${width}` }));
+      marks.push({ y: y - 3, text: count(tick) });
     }
     nodes.push(s("path", { class: "grid", d: `M0 ${FLOOR + 0.5}H${width}` }));
     if (points.length > 0) {
@@ -97,30 +133,21 @@ export function pathPanel(on) {
       const anchor = x < 16 ? "start" : x > width - 24 ? "end" : "middle";
       nodes.push(s("text", { class: "ax", x: anchor === "start" ? 0 : anchor === "end" ? width : x, y: HEIGHT - 2, "text-anchor": anchor }, power(tick)));
     }
+    const label = now && labelAt(place(now.lambda), rise(shown, most), wordings(shown, now.cones.length), most, hasButton);
     if (now) {
       const [x, y] = [place(now.lambda), rise(shown, most)];
-      const whole = plural(shown, "cone");
-      const texts = now.cones.length === shown ? [whole] : [`${whole}, merged to ${count(now.cones.length)}`, whole];
-      const room = Math.max(x, width - x) - 8;
-      const text = texts.find((text) => text.length * 6.6 < room) ?? texts.at(-1);
-      const isRight = x < width / 2;
-      nodes.push(
-        s("path", { class: "now", d: `M${x.toFixed(1)} ${TOP - 6}V${FLOOR}` }),
-        s("circle", { class: "now", cx: x, cy: y, r: 4 }),
-        s("text", { class: "label", x: isRight ? x + 8 : x - 8, y: Math.max(12, Math.min(y - 7, FLOOR - 6)), "text-anchor": isRight ? "start" : "end" }, text),
-      );
+      nodes.push(s("path", { class: "now", d: `M${x.toFixed(1)} ${TOP - 6}V${FLOOR}` }), s("circle", { class: "now", cx: x, cy: y, r: 4 }));
     }
+    // Numbers stand over the curve, at the end that is free: on the left, which is traced last, while the button has the right one.
+    for (const { y, text } of marks) {
+      const start = hasButton ? 0 : width - LETTER * text.length;
+      const isUnder = label && Math.abs(label.y - y) < 14 && label.start < start + LETTER * text.length && start < label.end;
+      if (!isUnder) nodes.push(s("text", { class: "ax", x: hasButton ? 0 : width, y, "text-anchor": hasButton ? "start" : "end" }, text));
+    }
+    if (label) nodes.push(s("text", { class: "label", x: label.start, y: label.y }, label.text));
     svg.replaceChildren(...nodes);
     const path = points.length > 0 ? `, from ${count(points[0].count)} at ${dial(points[0].lambda)} to ${count(points.at(-1).count)} at ${dial(points.at(-1).lambda)}` : "";
     svg.setAttribute("aria-label", `Number of cones over λ${path}${now ? `; ${plural(shown, "cone")} at λ ${dial(now.lambda)}` : ""}`);
-
-    work.hidden = !isTracing;
-    const reached = points.length > 0 ? Math.log(points[0].lambda / points.at(-1).lambda) / Math.log(points[0].lambda / min) : 0;
-    if (Number.isFinite(reached)) bar.value = Math.min(1, Math.max(0, reached));
-    const hadFocus = document.activeElement === trace || document.activeElement === stop || document.activeElement === document.body;
-    trace.hidden = isTracing || isComplete || !now;
-    write(trace, points.length > 1 ? "Trace the rest" : "Trace path");
-    if (hadFocus && document.activeElement === document.body && wasPressed) (isTracing ? stop : trace).focus({ preventScroll: true });
     edited.hidden = !(now?.is_edited || now?.has_placed);
     note.hidden = !now?.note;
     write(note, now?.note ?? "");

@@ -6,11 +6,16 @@ import { count, fixed, short, tick, ticks, ticksBetween } from "../format.js";
 const COLOURS = ["total", "first", "second", "third"];
 /** Milliseconds between two drawings while a run goes on. */
 const INTERVAL = 125;
+/** Space for the numbers of the ticks: at least this much, and as wide as so many of their letters. */
 const LEFT = 36;
+const LETTER = 6.6;
 const BOTTOM = 20;
 const TOP = 8;
 /** Space between the labels at the ends of the lines. */
 const PITCH = 17;
+/** What lies this many times above nearly all other steps is cut off: it would flatten the rest to a line. */
+const SPIKE = 4;
+const NEARLY_ALL = 0.9;
 
 /** Keeps labels apart: pushes them down in order, then back up from the floor. */
 function spread(wanted, floor) {
@@ -25,6 +30,13 @@ function spread(wanted, floor) {
     limit = at[i] - PITCH;
   }
   return at;
+}
+
+/** Up to where steps with these largest values are drawn. Both ends of the lines are always seen. */
+function ceiling(peaks) {
+  const most = Math.max(...peaks);
+  const usual = peaks.toSorted((a, b) => a - b)[Math.floor(NEARLY_ALL * (peaks.length - 1))];
+  return usual > 0 && most > SPIKE * usual ? Math.max(1.25 * usual, peaks[0], peaks.at(-1)) : most;
 }
 
 export function energyPlot(host) {
@@ -54,12 +66,15 @@ export function energyPlot(host) {
     const right = width - labels;
     const floor = height - BOTTOM;
     // A reward may take the energy, or a term, below zero.
-    const all = points.flatMap((point) => [point.total, ...point.terms.map((term) => term.value)]);
-    const [base, high] = [Math.min(0, ...all), Math.max(0, ...all)];
+    const all = points.map((point) => [point.total, ...point.terms.map((term) => term.value)]);
+    const base = all.reduce((low, values) => Math.min(low, ...values), 0);
+    const peaks = all.map((values) => Math.max(0, ...values));
+    const high = ceiling(peaks);
     const divisions = Math.min(5, Math.max(2, Math.floor(height / 36)));
     const yTicks = ticksBetween(base, Math.max(high, base + 1e-12), divisions);
     const top = Math.max(yTicks.at(-1), high, base + 1e-12);
-    const x = (step) => LEFT + ((right - LEFT) * step) / Math.max(1, last.step);
+    const left = Math.max(LEFT, 10 + LETTER * Math.max(...yTicks.map((mark) => tick(mark).length)));
+    const x = (step) => left + ((right - left) * step) / Math.max(1, last.step);
     const y = (energy) => floor - ((floor - TOP) * (energy - base)) / (top - base);
 
     // All values with the decimals of the largest, so that they can be added up by eye.
@@ -68,14 +83,14 @@ export function energyPlot(host) {
 
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     const nodes = yTicks.flatMap((mark) => [
-      s("path", { class: "grid", d: `M${LEFT} ${Math.round(y(mark)) + 0.5}H${right}` }),
-      s("text", { class: "ax", x: LEFT - 6, y: y(mark) + 4, "text-anchor": "end" }, tick(mark)),
+      s("path", { class: "grid", d: `M${left} ${Math.round(y(mark)) + 0.5}H${right}` }),
+      s("text", { class: "ax", x: left - 6, y: y(mark) + 4, "text-anchor": "end" }, tick(mark)),
     ]);
-    for (const step of ticks(last.step, Math.max(2, Math.floor((right - LEFT) / 70)), true)) {
+    for (const step of ticks(last.step, Math.max(2, Math.floor((right - left) / 70)), true)) {
       nodes.push(s("text", { class: "ax", x: x(step), y: height - 4, "text-anchor": "middle" }, count(step)));
     }
     // Two points a pixel are enough.
-    const stride = Math.max(1, Math.floor(points.length / (2 * (right - LEFT))));
+    const stride = Math.max(1, Math.floor(points.length / (2 * (right - left))));
     const drawn = points.filter((point, i) => i % stride === 0 || i === points.length - 1);
     const ends = spread(names.map((name, line) => y(value(last, line))), floor);
     for (let line = names.length - 1; line >= 0; line -= 1) {
@@ -87,6 +102,12 @@ export function energyPlot(host) {
         s("text", { class: colour, x: right + 9, y: ends[line] + 4 }, names[line]),
         s("text", { class: "val", x: width, y: ends[line] + 4 }, fixed(value(last, line), digits)),
       );
+    }
+    const spike = peaks.indexOf(Math.max(...peaks));
+    if (peaks[spike] > top) {
+      const at = x(points[spike].step);
+      const isRight = at < (left + right) / 2;
+      nodes.push(s("text", { class: "ax cut", x: isRight ? at + 8 : at - 8, y: TOP + 6, "text-anchor": isRight ? "start" : "end" }, `↑ up to ${tick(peaks[spike])}`));
     }
     svg.replaceChildren(...nodes);
     const parts = last.terms.map((term) => `${term.name} ${short(term.value)}`).join(", ");

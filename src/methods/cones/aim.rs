@@ -58,11 +58,13 @@ impl Search {
             return None;
         }
         let miss = self.miss(state, cones);
+        let is_count = matches!(self.target, ConeTarget::Count(_) | ConeTarget::Merged(_));
         let scale = match self.target {
             ConeTarget::TotalAngle(x) | ConeTarget::Distortion(x) => x.abs(),
             _ => 0.0,
         };
-        if miss.abs() <= CLOSE * scale {
+        // As many cones as asked for may be had for less.
+        if !is_count && miss.abs() <= CLOSE * scale {
             return None;
         }
         let lambda = state.lambda;
@@ -83,15 +85,13 @@ impl Search {
             }
             (None, Some((high, _))) => {
                 if high <= range[0] {
-                    self.is_reached =
-                        matches!(self.target, ConeTarget::Count(_) | ConeTarget::Merged(_));
+                    self.is_reached = is_count;
                     return None;
                 }
                 (0.5 * high).max(range[0])
             }
             (Some((low, a)), Some((high, b))) => {
                 let ratio = high / low;
-                let is_count = scale == 0.0;
                 if ratio < if is_count { NARROW } else { 1.0 + 1e-9 } || self.trials > TRIALS {
                     // At `high` there are few enough.
                     self.is_last = true;

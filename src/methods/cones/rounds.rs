@@ -239,8 +239,9 @@ impl ConeFlow {
                 true => self.merged_count(),
                 false => self.state.cones.len(),
             };
-            // Above λ_max nothing changes; below a thousandth of it every vertex is about to become a cone.
-            let next = search.next(&self.state, cones, [1e-3 * most, most]);
+            // Above λ_max nothing changes (at it the last cone is there still, of no angle); below a thousandth of it every vertex is
+            // about to become a cone.
+            let next = search.next(&self.state, cones, [1e-3 * most, 1.001 * most]);
             match next {
                 Some(lambda) => {
                     self.progress.search = Some(search);

@@ -44,8 +44,11 @@ impl PhaseFieldState {
             && self.leaves().len() == 2
         {
             // 0 is positive here, and is outside there.
-            let level = |&u: &f64| if u >= 0.0 { -distance(u).max(1e-12) } else { -distance(u) };
-            return Initial::Levels(root.u.iter().map(level).collect());
+            let level = |(v, &u): (usize, &f64)| {
+                let size = distance(u).abs();
+                if self.is_positive(0, v) { -size.max(1e-12) } else { size }
+            };
+            return Initial::Levels(root.u.iter().enumerate().map(level).collect());
         }
         let mut labels = self.labels();
         let mut is_used = vec![false; self.leaves().len()];
@@ -125,7 +128,9 @@ impl PhaseFieldState {
             let mut found = 0;
             for i in 0..3 {
                 let j = (i + 1) % 3;
-                if (values[i] >= 0.0) != (values[j] >= 0.0) && found < 2 {
+                let is_positive = [i, j].map(|i| self.is_positive(node, corners[i]));
+                let is_crossed = (values[i] >= 0.0) != (values[j] >= 0.0);
+                if is_crossed && is_positive[0] != is_positive[1] && found < 2 {
                     let t = values[i] / (values[i] - values[j]);
                     ends[found][i] = 1.0 - t;
                     ends[found][j] = t;

@@ -9,7 +9,8 @@ use super::objective::{Member, Objective, Prices, SplitTerms};
 use super::params::{PhaseFieldParams, Start};
 use super::profile::indicator;
 use super::start;
-use super::state::PhaseFieldState;
+use super::state::{PhaseFieldState, PhaseNode};
+use super::terms::connected::edge;
 use super::terms::yamabe::Yamabe;
 use crate::geometry::Geometry;
 use crate::mesh::{CutMesh, Mesh};
@@ -290,6 +291,20 @@ impl PhaseFieldFlow {
         self.progress.state.cut_start(&self.domain.mesh, self.params.epsilon / self.domain.scale)
     }
 
+    /// What all splits so far cost, under the options as they are now: the interface, distortion, and parts that are not connected. Their sum
+    /// is the objective.
+    pub fn costs(&self) -> [f64; 3] {
+        let prices = self.prices(true);
+        let splits = self.progress.state.nodes.iter().filter(|node| node.children.is_some());
+        splits.fold([0.0; 3], |[interface, distortion, parts], PhaseNode { terms, .. }| {
+            [
+                interface + terms.perimeter + terms.penalty,
+                distortion + prices.omega * terms.yamabe,
+                parts + prices.parts * terms.connectedness,
+            ]
+        })
+    }
+
     fn prices(&self, is_connected: bool) -> Prices {
         Prices::new(&self.params, is_connected && self.params.is_connected)
     }
@@ -479,6 +494,10 @@ impl PhaseFieldFlow {
         let is_single = members.len() == 1;
         for (i, &node) in members.iter().enumerate() {
             self.progress.state.put(node, &best.u[i * n..(i + 1) * n]);
+            if self.params.is_connected {
+                let e1 = edge(self.params.epsilon);
+                self.progress.state.give_up_islands(&self.domain.mesh, node, e1);
+            }
             let node = &mut self.progress.state.nodes[node];
             node.terms = best.terms[i];
             node.objective = value_of(&node.terms, &self.params);

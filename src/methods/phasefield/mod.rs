@@ -12,7 +12,8 @@
 //! All lengths, ε among them, are those of the surface scaled to area 4π. P is about √2 times the length of the interface, which
 //! [`PhaseMeasures::length`] gives with far less bias.
 //!
-//! **Differs** from the paper: each term's file says how; areas are kept exactly instead of by a penalty.
+//! **Differs** from the paper: each term's file says how; areas are kept exactly instead of by a penalty; where connected phases are
+//! asked for, islands in which a field reaches neither phase are given to what lies around them before it is thresholded.
 
 mod cut;
 mod domain;

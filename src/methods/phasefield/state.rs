@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::super::flow::Status;
 use super::objective::SplitTerms;
 use super::profile::indicator;
+use crate::mesh::{Mesh, VertexId};
 
 /// A segment, and how it is split if it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +18,8 @@ pub struct PhaseNode {
     pub level: usize,
     /// The phase field that splits it, one value for each vertex; empty if it is not split.
     pub u: Arc<Vec<f64>>,
+    /// Vertices in islands where the field reaches neither phase: they lie on the other side than its sign says. Empty for none.
+    pub islands: Arc<Vec<bool>>,
     /// Its diffuse indicator χ^α at each vertex.
     pub weight: Arc<Vec<f64>>,
     /// The terms of its split.
@@ -44,6 +47,7 @@ impl PhaseNode {
             children: None,
             level,
             u: Arc::default(),
+            islands: Arc::default(),
             weight: Arc::new(weight),
             terms: SplitTerms::default(),
             objective: 0.0,
@@ -82,7 +86,7 @@ impl PhaseFieldState {
         self.leaves().into_iter().map(|leaf| self.nodes[leaf].weight.as_slice()).collect()
     }
 
-    /// For each vertex the leaf that it lies in by the signs of the fields, as its place among [`PhaseFieldState::leaves`].
+    /// For each vertex the leaf that it lies in by the sides of the fields, as its place among [`PhaseFieldState::leaves`].
     pub fn labels(&self) -> Vec<u32> {
         let mut label_of = vec![0; self.nodes.len()];
         for (label, leaf) in (0u32..).zip(self.leaves()) {
@@ -99,8 +103,9 @@ impl PhaseFieldState {
         node
     }
 
-    fn is_positive(&self, node: usize, v: usize) -> bool {
-        self.nodes[node].u[v] >= 0.0
+    pub(super) fn is_positive(&self, node: usize, v: usize) -> bool {
+        let node = &self.nodes[node];
+        (node.u[v] >= 0.0) != node.islands.get(v).copied().unwrap_or(false)
     }
 
     /// The splits above a segment, each with whether the segment lies on its positive side.
@@ -150,6 +155,7 @@ impl PhaseFieldState {
     /// Sets the field of a split; its sides are made if there are none.
     pub(super) fn put(&mut self, node: usize, u: &[f64]) {
         self.nodes[node].u = Arc::new(u.to_vec());
+        self.nodes[node].islands = Arc::default();
         if self.nodes[node].children.is_none() {
             let level = self.nodes[node].level + 1;
             let first = self.nodes.len();
@@ -180,6 +186,25 @@ impl PhaseFieldState {
         }
     }
 
+    /// Gives islands in which the field of a split reaches neither phase to what lies around them.
+    ///
+    /// Connected phases are asked for above e₁ only: where a field passes 0 a little and comes back, as over the tip of a finger, nothing
+    /// draws that together. **Takes** e₁.
+    pub(super) fn give_up_islands(&mut self, mesh: &Mesh, node: usize, e1: f64) {
+        for _ in 0..ISLANDS_IN_ISLANDS {
+            let sides = self.sides(node);
+            let faint = faint_parts(mesh, &sides, &self.nodes[node].u, e1);
+            if !faint.contains(&true) {
+                return;
+            }
+            let islands = Arc::make_mut(&mut self.nodes[node].islands);
+            islands.resize(sides.len(), false);
+            for (is_island, is_faint) in islands.iter_mut().zip(faint) {
+                *is_island ^= is_faint;
+            }
+        }
+    }
+
     /// Leaves no more than a number of levels of splits.
     pub(super) fn prune(&mut self, levels: usize) {
         // Parents come before their sides, and levels one after the other.
@@ -190,4 +215,58 @@ impl PhaseFieldState {
             *node = PhaseNode { weight, ..PhaseNode::leaf(node.parent, levels, Vec::new()) };
         }
     }
+}
+
+/// How often islands are looked for again, after those in them were given up.
+const ISLANDS_IN_ISLANDS: usize = 4;
+
+/// The vertices of parts of either side where |u| is nowhere above e₁ and that may change sides: not the largest part of a side, and no two that
+/// touch.
+fn faint_parts(mesh: &Mesh, sides: &[u32], u: &[f64], e1: f64) -> Vec<bool> {
+    let is_within = |v: VertexId| sides[v.index()] < 2 && mesh.halfedge(v).is_some();
+    let mut part_of = vec![usize::MAX; sides.len()];
+    // For each part its side, its vertices and the largest |u|.
+    let mut parts: Vec<(u32, usize, f64)> = Vec::new();
+    let mut stack = Vec::new();
+    for start in mesh.vertices().filter(|&v| is_within(v)) {
+        if part_of[start.index()] != usize::MAX {
+            continue;
+        }
+        let side = sides[start.index()];
+        let (mut count, mut most) = (0, 0.0f64);
+        part_of[start.index()] = parts.len();
+        stack.push(start);
+        while let Some(v) = stack.pop() {
+            count += 1;
+            most = most.max(u[v.index()].abs());
+            for w in mesh.outgoing(v).map(|h| mesh.tip(h)) {
+                if sides[w.index()] == side && part_of[w.index()] == usize::MAX {
+                    part_of[w.index()] = parts.len();
+                    stack.push(w);
+                }
+            }
+        }
+        parts.push((side, count, most));
+    }
+    let mut around: Vec<Vec<usize>> = vec![Vec::new(); parts.len()];
+    for e in mesh.edges() {
+        let [p, q] = mesh.edge_vertices(e).map(|v| part_of[v.index()]);
+        if p != q && p != usize::MAX && q != usize::MAX {
+            around[p].push(q);
+            around[q].push(p);
+        }
+    }
+    let largest = [0, 1].map(|side| {
+        let own = (0..parts.len()).filter(|&p| parts[p].0 == side);
+        own.max_by_key(|&p| (parts[p].1, std::cmp::Reverse(p)))
+    });
+    let may_go =
+        |p: usize| !(parts[p].2 > e1) && !around[p].is_empty() && !largest.contains(&Some(p));
+    let mut order: Vec<usize> = (0..parts.len()).filter(|&p| may_go(p)).collect();
+    order.sort_by_key(|&p| (parts[p].1, p));
+    let mut goes = vec![false; parts.len()];
+    for p in order {
+        goes[p] = !around[p].iter().any(|&q| goes[q]);
+    }
+    part_of.iter().map(|&p| p != usize::MAX && goes[p]).collect()
 }

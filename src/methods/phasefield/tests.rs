@@ -6,6 +6,7 @@ use super::domain::{Domain, dot};
 use super::objective::{Member, Objective, Prices};
 use super::params::PhaseFieldParams;
 use super::profile::indicator;
+use super::state::PhaseFieldState;
 use super::terms::connected::{Parts, add, edge};
 use crate::geometry::Geometry;
 use crate::mesh::Mesh;
@@ -134,6 +135,36 @@ fn connectedness_has_its_gradient_with_many_parts() {
         // Rounding 1e-9 of a sum of hundreds of terms.
         assert!((difference - exact).abs() < 1e-6 * exact.abs(), "{difference} {exact}");
     }
+}
+
+#[test]
+fn islands_that_reach_no_phase_lie_on_the_side_around_them() {
+    let domain = blob(30, 44);
+    let at = |j: usize, i: usize| 1 + (j - 1) * 44 + i;
+    let mut u: Vec<f64> =
+        (0..domain.len()).map(|v| if v < at(15, 0) { 1.0 } else { -1.0 }).collect();
+    let block = |columns: std::ops::Range<usize>| {
+        (21..26).flat_map(move |j| columns.clone().map(move |i| at(j, i))).collect::<Vec<_>>()
+    };
+    let (faint, strong) = (block(5..10), block(20..25));
+    faint.iter().for_each(|&v| u[v] = 0.3);
+    strong.iter().for_each(|&v| u[v] = 0.9);
+    // An island in the island.
+    u[at(23, 7)] = -0.2;
+    let mut state = PhaseFieldState::whole(u.len());
+    state.put(0, &u);
+    assert_eq!(state.sides(0)[at(23, 6)], 0);
+    state.give_up_islands(&domain.mesh, 0, 0.6);
+    let sides = state.sides(0);
+    assert!(faint.iter().all(|&v| sides[v] == 1), "with what lies in it");
+    assert!(strong.iter().all(|&v| sides[v] == 0), "this one is a phase");
+    assert_eq!((sides[0], sides[u.len() - 1]), (0, 1));
+    // A field that reaches no phase anywhere still divides.
+    state.put(0, &u.iter().map(|u| 0.1 * u).collect::<Vec<_>>());
+    state.give_up_islands(&domain.mesh, 0, 0.6);
+    let sides = state.sides(0);
+    assert_eq!((sides[0], sides[u.len() - 1]), (0, 1));
+    assert!(strong.iter().chain(&faint).all(|&v| sides[v] == 1));
 }
 
 #[test]

@@ -38,7 +38,7 @@ impl Work {
         if state.is_convex {
             notes.push(
                 "The surface is convex everywhere: the optimum is its own curvature at every vertex, whatever the cost. \
-                 Limit the angles, exclude places, or add cones by hand and refit their angles."
+                 Paint No cones over all but the places where cones may be: the curvature is then gathered there."
                     .into(),
             );
         } else if state.cones.is_empty() && set.cones.is_empty() && is_over {

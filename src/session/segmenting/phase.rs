@@ -222,6 +222,13 @@ impl Segmentation for PhaseField {
     fn prepare(&mut self, inputs: &Inputs) -> Result<bool, Problem> {
         let surface = inputs.surface;
         let wrong = |error| Problem::solve(&surface.name, &error);
+        if inputs.settings.text("phase_start") == "painted" && inputs.layers.regions.is_empty() {
+            return Err(Problem::new(
+                "Nothing to start from: no regions are painted yet.",
+                "Start of the divisions.",
+                "Choose Brush, Regions, and paint on the surface, or choose another start.",
+            ));
+        }
         let params = params(inputs);
         self.asked = inputs.settings.number("epsilon");
         if let Some(saved) = self.saved.take() {
@@ -421,7 +428,7 @@ fn params(inputs: &Inputs) -> PhaseFieldParams {
     let start = match settings.text("phase_start") {
         "random" => Start::Random,
         "normals" => Start::Normals,
-        "painted" if !layers.regions.is_empty() => {
+        "painted" => {
             let side = |v: usize| if layers.regions[v] == 0 { 1.0 } else { -1.0 };
             Start::Values(Arc::new((0..mesh.vertex_count()).map(side).collect()))
         }
@@ -449,19 +456,15 @@ fn params(inputs: &Inputs) -> PhaseFieldParams {
 
 /// The objective of all divisions so far, the one under way included.
 fn point(flow: &PhaseFieldFlow) -> Event {
-    let divided = || flow.state().tree().iter().filter(|node| node.children.is_some());
-    let total: f64 = divided().map(|node| node.objective).sum();
-    let interface: f64 = divided().map(|node| node.terms.perimeter + node.terms.penalty).sum();
-    let yamabe: f64 = divided().map(|node| node.terms.yamabe).sum();
-    let distortion = flow.params().omega * yamabe;
+    let [interface, distortion, connectedness] = flow.costs();
     let term = |name: &str, value: f64| Term { name: name.into(), value };
     Event::Energy {
         step: flow.steps(),
-        total,
+        total: interface + distortion + connectedness,
         terms: vec![
             term("Interface P", interface),
             term("Distortion ωJ", distortion),
-            term("Connectedness", total - interface - distortion),
+            term("Connectedness", connectedness),
         ],
     }
 }
