@@ -100,7 +100,7 @@ impl Work {
             return Ok(());
         }
         if self.method == Method::Developable
-            && Charting::of(&self.settings).by == FlattenBy::Auto
+            && matches!(Charting::of(&self.settings).by, FlattenBy::Auto | FlattenBy::Lpfb)
             && let Some((cut, opened, flattening)) = self.develop.maps()
         {
             // The very maps that pieces were accepted with.

@@ -400,7 +400,7 @@ impl Work {
             rows.push(Row::new("hencky", "Hencky ∫u²", "", energy.hencky));
         }
         if let Some(segmentation) = self.segmentation() {
-            rows.extend(segmentation.rows());
+            rows.extend(segmentation.rows(self.is_settled.then_some(layout)));
         }
         if let Some(flow) = flow.filter(|flow| flow.params().schedule.is_some()) {
             rows.push(Row::new("alpha", "Length weight α now", "/√A", flow.weights().length));

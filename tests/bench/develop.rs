@@ -10,9 +10,10 @@ use cutflow::geometry::Geometry;
 use cutflow::mesh::{CutMesh, Mesh};
 use cutflow::methods::cutflow::{Initial, initial_labels};
 use cutflow::methods::flow::{Flow, Status};
+use cutflow::session::{Command, Session, Value};
 use nalgebra::Point3;
 
-use crate::{Row, seconds, sphere, time_of};
+use crate::{Row, seconds, shared_bytes, sphere, time_of};
 
 /// The rim of a crumpled disk.
 fn rim(n: usize) -> BoundaryProblem {
@@ -71,7 +72,32 @@ pub fn rows() -> Vec<Row> {
     rows.push(trials(60, 1.0, None));
     // Charts of some 500 faces, and no patch of more than two of them.
     rows.push(trials(40, 0.055, Some(1.0)));
+    let files = [("spot.obj", 3.0), ("homer.obj", 3.0), ("nefertiti.ply", 40.0)];
+    rows.extend(files.into_iter().filter_map(|(name, limit)| pipeline(name, limit)));
     rows
+}
+
+/// Developable patches by A_tot of a mesh of `../shared`, from the first chart to patches with their maps.
+fn pipeline(name: &str, limit: f64) -> Option<Row> {
+    let bytes = shared_bytes(name)?;
+    let mut session = Session::new();
+    session.open(name, &bytes);
+    session.handle(Command::SetMethod { id: "developable".into() });
+    let value = Value::Text("total".into());
+    session.handle(Command::SetParameter { id: "merge_measure".into(), value });
+    let time = seconds(|| {
+        session.handle(Command::Run);
+        while session.is_running() {
+            session.advance(&mut || true);
+        }
+    });
+    let pieces = session.develop_report(None).ok()?.patches.len();
+    Some(Row {
+        name: format!("developable patches by A_tot, {name}: {pieces}"),
+        value: time,
+        unit: "s",
+        limit: Some(limit),
+    })
 }
 
 /// Mean time of a trial of merging a sphere's clusters by A_tot, over a run.

@@ -152,14 +152,20 @@ fn solve(mesh: &Mesh, geometry: &Geometry) -> f64 {
     time_of(10, || factor.solve(&mut x, 1))
 }
 
-/// A mesh that only our own machines have; says so where it is absent.
-fn shared(name: &str) -> Option<(Mesh, Geometry)> {
+/// A file that only our own machines have; says so where it is absent.
+fn shared_bytes(name: &str) -> Option<Vec<u8>> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes").join(name);
     #[expect(clippy::disallowed_methods, reason = "reads a test mesh")]
     let Ok(bytes) = std::fs::read(&path) else {
         println!("{} is absent: its figures are left out", path.display());
         return None;
     };
+    Some(bytes)
+}
+
+/// The mesh of such a file.
+fn shared(name: &str) -> Option<(Mesh, Geometry)> {
+    let bytes = shared_bytes(name)?;
     let soup = read::read(name, &bytes).expect("a sound file").soup;
     let triangles: Vec<[u32; 3]> =
         (0..soup.polygon_count()).map(|i| [0, 1, 2].map(|k| soup.polygon(i)[k])).collect();

@@ -191,9 +191,35 @@ fn an_interface_thinner_than_two_edges_is_as_wide_as_they_are() {
         "ball",
         &[("epsilon", number(0.01)), ("levels", number(1.0)), ("omega", number(0.0))],
     );
-    run(&mut session);
+    let events = run(&mut session);
     let report = session.phase_report(None).unwrap();
     assert!(report.epsilon > 0.02, "{}", report.epsilon);
+    // The page tells it as well, beneath the measures.
+    let note = events.iter().rev().find_map(|event| match event {
+        Event::Measures { note, .. } => note.clone(),
+        _ => None,
+    });
+    assert!(note.unwrap().contains("two edges of this mesh"));
+}
+
+#[test]
+fn painted_regions_that_are_not_there_are_no_start() {
+    let mut session = open("phasefield", "ball", &[]);
+    let mut events = session.handle(Command::SetParameter {
+        id: "phase_start".into(),
+        value: Value::Text("painted".into()),
+    });
+    events.extend(session.handle(Command::Run));
+    while session.is_running() {
+        events.extend(session.advance(&mut || false));
+    }
+    let found = errors(&events);
+    assert!(found.iter().any(|error| error.contains("no regions are painted")), "{found:?}");
+    session.handle(Command::SetParameter {
+        id: "phase_start".into(),
+        value: Value::Text("axes".into()),
+    });
+    assert!(status(&run(&mut session)).starts_with("Converged after "));
 }
 
 #[test]
@@ -212,6 +238,13 @@ fn patches_of_a_chair_lie_flat_keep_their_seams_and_are_exported_as_they_were_ac
     assert_eq!(report.flattening.totals.overlaps, 0);
     assert_eq!(report.flattening.validity.overlapping_pairs, 0);
     exported::look(&mut session, "armchair");
+    // Boundaries of true length are what the pieces have: asked for by name they stay.
+    session
+        .handle(Command::SetParameter { id: "flatten".into(), value: Value::Text("lpfb".into()) });
+    run(&mut session);
+    let again = session.develop_report(None).unwrap();
+    assert_eq!(again.flattening.totals, report.flattening.totals);
+    assert_eq!(again.patches.len(), report.patches.len());
 }
 
 #[test]

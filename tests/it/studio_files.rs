@@ -241,9 +241,13 @@ fn folder(name: &str, n: u32) -> PathBuf {
 
 /// Runs `cutflow cut` in a folder. **Gives** what it printed.
 fn cut(folder: &Path, arguments: &str) -> Result<String, String> {
+    command(folder, "cut", arguments)
+}
+
+fn command(folder: &Path, name: &str, arguments: &str) -> Result<String, String> {
     let output = Process::new(env!("CARGO_BIN_EXE_cutflow"))
         .current_dir(folder)
-        .arg("cut")
+        .arg(name)
         .args(arguments.split(' '))
         .output()
         .unwrap();
@@ -288,6 +292,17 @@ fn the_command_takes_presets_starts_and_energies() {
     let help = cut(&folder, "ball.obj --set help").unwrap();
     for spec in cutflow::session::specs() {
         assert!(help.contains(&format!("{}  (", spec.id)), "{}", spec.id);
+    }
+}
+
+#[test]
+fn developable_pieces_leave_the_command_as_files_for_every_machine() {
+    let folder = folder("developable", 6);
+    command(&folder, "develop", "sample:armchair -o out").unwrap();
+    for (name, start) in [("pattern.svg", "<"), ("pattern.dxf", "  0"), ("pattern.pdf", "%PDF")] {
+        let bytes = std::fs::read(folder.join("out").join(name)).unwrap();
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(text.trim_start_matches('\u{feff}').contains(start), "{name}");
     }
 }
 

@@ -10,8 +10,8 @@ use cutflow::session::{
 
 use super::cut::{bring_layers, keep_symmetries, set_others};
 use super::{
-    MeshArgs, Report, clock, make_folder, open, print_flattening, tell, warn_of_charts, write_cut,
-    write_json, writes_to_stdout,
+    MeshArgs, Report, clock, make_folder, open, print_flattening, tell, warn_of_charts, write,
+    write_cut, write_json, writes_to_stdout,
 };
 
 /// Steps between two lines of progress.
@@ -142,7 +142,7 @@ struct Common {
     /// What one unit of the file is: mm, cm, m or in.
     #[arg(long)]
     unit: Option<String>,
-    /// Folder for cut.json, uv.obj, cut.obj and pattern.svg.
+    /// Folder for cut.json, uv.obj, cut.obj and pattern.svg, of developable patches also pattern.dxf and pattern.pdf.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -329,6 +329,12 @@ pub fn develop(args: &DevelopArgs) -> Result<(), Problem> {
         print_patches(&report);
     }
     end(&mut session, &args.common)?;
+    if let Some(folder) = &args.common.output {
+        // `pattern` makes charts of its own for a cut: pieces leave with the maps that they were accepted with only here.
+        for (kind, name) in [("Pattern (DXF)", "pattern.dxf"), ("Pattern (PDF)", "pattern.pdf")] {
+            write(&folder.join(name), &session.export(kind)?.bytes)?;
+        }
+    }
     write_json(&args.common.report, &report)
 }
 

@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use serde::Serialize;
 
+use super::super::layout::Layout;
 use super::super::message::{Event, NoticeText, Row};
 use super::super::report::FlattenReport;
 use super::super::surface::{Surface, face_to_vertex};
@@ -235,22 +236,25 @@ impl Segmentation for Developable {
         self.run.as_ref().map_or(&[], |run| &run.curve)
     }
 
-    fn rows(&self) -> Vec<Row> {
+    fn rows(&self, layout: Option<&Layout>) -> Vec<Row> {
         let Some(run) = &self.run else { return Vec::new() };
         let Stage::Merge(flow) = &run.stage else { return Vec::new() };
         let state = flow.state();
-        let worst = |of: fn(&PatchInfo) -> f64| state.patches.iter().map(of).fold(0.0, f64::max);
+        // At rest those of the charts that are there, whoever made them.
+        let changes: Vec<[f64; 2]> = match layout {
+            Some(layout) => {
+                let charts = layout.measures.charts.iter().flatten();
+                charts.map(|chart| [chart.area_change.abs(), chart.area_change_abs]).collect()
+            }
+            None => state.patches.iter().map(|p| [p.area_total, p.area_absolute]).collect(),
+        };
+        let worst = |i: usize| 100.0 * changes.iter().map(|change| change[i]).fold(0.0, f64::max);
         let first = run.after[0].map_or(f64::NAN, |(pieces, _)| pieces as f64);
         vec![
             Row::new("first_pieces", "First pieces", "", first),
             Row::new("dart_length", "Darts", "√A", state.dart_length),
-            Row::new(
-                "worst_total",
-                "Area change, worst piece",
-                "%",
-                100.0 * worst(|p| p.area_total),
-            ),
-            Row::new("worst_area", "anywhere in it", "%", 100.0 * worst(|p| p.area_absolute)),
+            Row::new("worst_total", "Area change, worst piece", "%", worst(0)),
+            Row::new("worst_area", "anywhere in it", "%", worst(1)),
         ]
     }
 

@@ -13,6 +13,7 @@ mod tree;
 
 use super::document::Document;
 use super::inputs::Layers;
+use super::layout::Layout;
 use super::message::{Event, Row};
 use super::method::Method;
 use super::params::Settings;
@@ -71,8 +72,8 @@ pub(super) trait Segmentation {
     fn cut(&self, surface: &Surface) -> Option<CutMesh>;
     /// The objective and its terms so far.
     fn curve(&self) -> &[Event];
-    /// Rows for the table of measures.
-    fn rows(&self) -> Vec<Row>;
+    /// Rows for the table of measures. **Takes** the layout at rest, if it is.
+    fn rows(&self, layout: Option<&Layout>) -> Vec<Row>;
     /// One value for each vertex of a field; `None` for fields of others.
     fn field(&self, id: &str) -> Result<Option<Vec<f64>>, SolveError>;
     /// What a person should know.

@@ -7,6 +7,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::super::blending::layers;
+use super::super::layout::Layout;
 use super::super::message::{Event, NoticeText, Row, Term};
 use super::super::method::Method;
 use super::super::report::FlattenReport;
@@ -317,7 +318,7 @@ impl Segmentation for PhaseField {
         &self.curve
     }
 
-    fn rows(&self) -> Vec<Row> {
+    fn rows(&self, _: Option<&Layout>) -> Vec<Row> {
         let Some(flow) = &self.flow else { return Vec::new() };
         let state = flow.state();
         let mut rows = vec![
