@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cutflow::session::{
-    Brought, Command, ConesReport, Document, Method, Problem, Session, Settings, Value,
+    Brought, Command, ConesReport, Document, Event, Method, Problem, Session, Settings, Value,
     settings_for,
 };
 
@@ -169,18 +169,30 @@ fn settings(args: &ConesArgs, document: &Document) -> Result<Settings, Problem> 
     Ok(settings)
 }
 
-/// An angle in radians, or in units of π if `pi` follows.
+/// An angle in radians, or in units of π if `pi` follows, which may be divided.
 fn angle(text: &str, option: &str) -> Result<f64, Problem> {
-    let (number, unit) = match text.trim().strip_suffix("pi") {
-        Some(number) => (number, std::f64::consts::PI),
-        None => (text.trim(), 1.0),
+    let number = |text: &str| text.parse::<f64>().ok().filter(|x| !x.is_nan());
+    let value = match text.trim().split_once("pi") {
+        None => number(text.trim()),
+        Some((times, over)) => {
+            let times = match times {
+                "" => Some(1.0),
+                "-" => Some(-1.0),
+                times => number(times),
+            };
+            let over = match over.strip_prefix('/') {
+                Some(over) => number(over).filter(|x| *x > 0.0),
+                None => over.is_empty().then_some(1.0),
+            };
+            times.zip(over).map(|(times, over)| times * std::f64::consts::PI / over)
+        }
     };
-    match number.parse::<f64>() {
-        Ok(x) if !x.is_nan() => Ok(x * unit),
-        _ => Err(Problem::new(
+    match value {
+        Some(value) => Ok(value),
+        None => Err(Problem::new(
             format!("“{text}” is no angle."),
             format!("{option}."),
-            "Write radians such as 1.57, or units of π such as 0.5pi.",
+            "Write radians such as 1.57, or units of π such as 0.5pi or pi/2.",
         )),
     }
 }
@@ -246,9 +258,22 @@ pub fn run(args: &ConesArgs) -> Result<(), Problem> {
     write_json(&args.report, &report)
 }
 
+/// Seconds between two lines of progress.
+const SHOWN_EVERY: f64 = 5.0;
+
+/// Does whatever there is to do, and says how far it is where that takes long.
 fn drive(session: &mut Session) -> Result<(), Problem> {
+    let mut shown = clock();
     while session.is_running() {
-        tell(session.advance(&mut || true))?;
+        let events = session.advance(&mut || false);
+        if let Some(Event::Status { text, .. }) =
+            events.iter().rev().find(|event| matches!(event, Event::Status { .. }))
+            && shown.elapsed().as_secs_f64() > SHOWN_EVERY
+        {
+            eprintln!("{text}");
+            shown = clock();
+        }
+        tell(events)?;
     }
     Ok(())
 }
@@ -322,4 +347,31 @@ pub fn with_cones(
     tell(session.bring(Brought::Cones { name: &name, bytes: &read(path)? }))?;
     drive(&mut session)?;
     Ok(session)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_radians_or_units_of_pi() {
+        let told = |text: &str| angle(text, "--bounds").map_err(|problem| problem.what);
+        let half = std::f64::consts::FRAC_PI_2;
+        for (text, value) in [
+            ("1.5", 1.5),
+            ("pi", 2.0 * half),
+            ("-pi/2", -half),
+            ("0.5pi", half),
+            ("3pi/2", 3.0 * half),
+            ("inf", f64::INFINITY),
+        ] {
+            assert!(
+                (told(text).unwrap() - value).abs() < 1e-12 || told(text) == Ok(value),
+                "{text}"
+            );
+        }
+        for text in ["", "pie", "pi/0", "xpi", "nan", "pi/"] {
+            assert!(told(text).is_err(), "{text}");
+        }
+    }
 }
