@@ -14,7 +14,7 @@ export function files(page, act) {
   /** What is still to be done with the first document that a person opens, null for nothing. */
   let first = null;
 
-  /** `task()` is done once, after a person has opened the first mesh or sample; a project that is opened before ends the wait. */
+  /** `task()` is done once, after a person has opened the first mesh; a project or another sample that is opened before ends the wait. */
   function bringToFirst(task) {
     first = task;
   }
@@ -54,9 +54,11 @@ export function files(page, act) {
     }
   }
 
-  function openSample(name, isOwn) {
+  function openSample(name, isOwn = false) {
+    // Who chooses a sample brings no mesh.
+    if (!isOwn) first = null;
     const option = now.samples.options.find((sample) => sample.name === name);
-    return opening(option?.label ?? name, () => page.client.openSample(name), isOwn);
+    return opening(option?.label ?? name, () => page.client.openSample(name), true);
   }
 
   function showSamples() {

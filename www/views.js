@@ -316,10 +316,11 @@ export class Views {
     return reduced(this.#canvas(view), width, height, view === FLAT);
   }
 
-  /** Setting the theme makes the viewer draw although nothing else may be new; of a large mesh it shades some vertices with each picture. */
+  /** Setting the theme makes the viewer draw although nothing else may be new. */
   #drawAnyway() {
     this.#viewer.set_theme(this.#flags.dark);
-    while (this.#viewer.draw());
+    this.#viewer.shade_whole();
+    this.#viewer.draw();
   }
 
   #canvas(view) {

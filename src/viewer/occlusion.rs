@@ -24,8 +24,10 @@ const SPREAD: f32 = 0.577;
 const RANGE: f32 = 1.0;
 /// What is left of the light above an open place, whose own cells the low cones graze.
 const OPEN: f32 = 0.82;
-/// Places that are looked at for one picture, a few hundredths of a second's work: more would hold the page up.
+/// Places that are looked at for one picture, a few hundredths of a second's work: more would hold the page up. No mesh takes more than
+/// so many pictures.
 const AT_ONCE: usize = 6000;
+const PICTURES: usize = 16;
 /// What a place that has not been looked at yet sees of the sky.
 const UNKNOWN: f32 = 0.85;
 /// Pixels along a side of the ground shadow. It is soft: more would show nothing.
@@ -40,8 +42,12 @@ pub struct Occlusion {
     levels: Vec<Level>,
     ground: f32,
     known: HashMap<[u32; 3], f32>,
+    /// What was known before `known` became too large: what is still asked for moves over.
+    older: HashMap<[u32; 3], f32>,
     known_limit: usize,
-    /// How many places may still be looked at for this picture, and whether one had to be passed over.
+    /// How many places may be looked at for the next picture and for later ones, how many still for this one, and whether one had to be passed
+    /// over.
+    at_once: [usize; 2],
     left: usize,
     is_behind: bool,
 }
@@ -61,12 +67,16 @@ impl Occlusion {
             levels.push(levels[levels.len() - 1].halved());
         }
         let ground = scene.positions.iter().skip(1).step_by(3).copied().fold(0.0, f32::min);
+        let count = scene.vertex_count();
+        let at_once = AT_ONCE.max(count.div_ceil(PICTURES));
         Self {
             levels,
             ground,
             known: HashMap::new(),
-            known_limit: 3 * scene.vertex_count() + 1000,
-            left: AT_ONCE,
+            older: HashMap::new(),
+            known_limit: 3 * count + 1000,
+            at_once: [at_once; 2],
+            left: at_once,
             is_behind: false,
         }
     }
@@ -78,7 +88,13 @@ impl Occlusion {
 
     /// Another picture begins.
     pub fn begin(&mut self) {
-        (self.left, self.is_behind) = (AT_ONCE, false);
+        (self.left, self.is_behind) = (self.at_once[0], false);
+        self.at_once[0] = self.at_once[1];
+    }
+
+    /// The next picture is to be whole, however long it takes.
+    pub fn catch_up(&mut self) {
+        self.at_once[0] = usize::MAX;
     }
 
     /// Whether places were passed over since then: the next picture will show them better.
@@ -92,16 +108,21 @@ impl Occlusion {
         if let Some(&openness) = self.known.get(&key) {
             return openness;
         }
+        let openness = match self.older.remove(&key) {
+            Some(openness) => openness,
+            None if self.left == 0 => {
+                self.is_behind = true;
+                return UNKNOWN;
+            }
+            None => {
+                self.left -= 1;
+                self.look(position, normal)
+            }
+        };
         // A flow leaves a trail of places that no cut passes any more.
         if self.known.len() > self.known_limit {
-            self.known.clear();
+            self.older = std::mem::take(&mut self.known);
         }
-        if self.left == 0 {
-            self.is_behind = true;
-            return UNKNOWN;
-        }
-        self.left -= 1;
-        let openness = self.look(position, normal);
         self.known.insert(key, openness);
         openness
     }

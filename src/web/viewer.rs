@@ -112,6 +112,11 @@ impl Viewer {
         self.stage.resize(at(view), viewport);
     }
 
+    /// Has the next picture shaded whole: of a large mesh that is new some vertices are shaded with each picture.
+    pub fn shade_whole(&mut self) {
+        self.stage.shade_whole();
+    }
+
     /// Draws what has changed; true if there was something.
     pub fn draw(&mut self) -> bool {
         let [surface, flat] = &mut self.canvases;

@@ -21,7 +21,7 @@ const GROWTH = HOURS ? 1.05 : 1.1;
 /** Starts by turns, so that not one run is repeated. */
 const STARTS = ["plane", "circle", "random"];
 
-describe("a long run", { timeout: HOURS * 1.5 * 3_600_000 + 600_000 }, () => {
+describe("a long run", { timeout: HOURS * 2 * 3_600_000 + 1_800_000 }, () => {
   let browser, page, holdings;
   let runs = 0;
   before(async () => {
@@ -62,6 +62,7 @@ describe("a long run", { timeout: HOURS * 1.5 * 3_600_000 + 600_000 }, () => {
     steps += await goOn(1);
     let last = await holdings.measure();
     t.diagnostic(`${runs} runs, ${steps} steps: ${JSON.stringify(first)}, ${JSON.stringify(last)}`);
+    assert.ok(steps > 100 && last.graphics > 0, "something was done and is counted");
     let more = grown(first, last, GROWTH);
     if (more.length) {
       // The memory of a wasm module never shrinks: one frame that waited for a busy machine leaves it larger for good. What leaks

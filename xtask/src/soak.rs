@@ -23,29 +23,31 @@ pub fn soak(mut args: Args) -> Result<()> {
         }
     }
     let hours = match args.value("--hours")? {
-        None => 2.0,
+        None => None,
         Some(word) => match word.parse::<f64>() {
-            Ok(hours) if hours > 0.0 && hours <= 100.0 => hours,
+            Ok(hours) if hours > 0.0 && hours <= 100.0 => Some(hours),
             _ => bail!("--hours {word}: not a number of hours"),
         },
     };
     let only = args.value("--only")?;
     args.finish()?;
-    // One sequence is looked at by itself.
-    let is_one = told.iter().any(|word| word == "--sequence");
+    // Who asks for one part, or says how much of the native ones, waits for no others.
+    let is_whole = only.is_none() && told.is_empty();
+    let wants_browser = only.as_deref() == Some(BROWSER) || hours.is_some() || is_whole;
+    let mut native = Ok(());
     if only.as_deref() != Some(BROWSER) {
         let mut cargo = process::cargo("bench");
         cargo.args(["--bench", "soak", "--profile", "soak", "--"]).args(told);
         if let Some(part) = &only {
             cargo.args(["--only", part]);
         }
-        process::run(&mut cargo)?;
+        native = process::run(&mut cargo);
     }
-    if only.as_deref().map_or(!is_one, |only| only == BROWSER) {
+    if wants_browser {
         build(Profile::Release)?;
-        browser::soak(hours)?;
+        browser::soak(hours.unwrap_or(2.0))?;
     }
-    Ok(())
+    native
 }
 
 #[cfg(test)]

@@ -329,13 +329,14 @@ pub fn develop(args: &DevelopArgs) -> Result<(), Problem> {
         print_patches(&report);
     }
     end(&mut session, &args.common)?;
+    write_json(&args.common.report, &report)?;
     if let Some(folder) = &args.common.output {
-        // `pattern` makes charts of its own for a cut: pieces leave with the maps that they were accepted with only here.
+        // The command `pattern` flattens a cut anew: only here do pieces leave with the maps that they were accepted with.
         for (kind, name) in [("Pattern (DXF)", "pattern.dxf"), ("Pattern (PDF)", "pattern.pdf")] {
             write(&folder.join(name), &session.export(kind)?.bytes)?;
         }
     }
-    write_json(&args.common.report, &report)
+    Ok(())
 }
 
 fn print_patches(report: &DevelopReport) {

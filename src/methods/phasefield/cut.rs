@@ -142,6 +142,14 @@ impl PhaseFieldState {
             }
             let (mut from, mut to) = (0.0, 1.0);
             for &(above, is_positive) in &path {
+                let sides = corners.map(|v| self.is_positive(above, v) == is_positive);
+                if sides == [true; 3] {
+                    continue;
+                }
+                if sides == [false; 3] {
+                    to = 0.0;
+                    break;
+                }
                 let sign = if is_positive { 1.0 } else { -1.0 };
                 let field = &self.nodes[above].u;
                 let [a, b] =

@@ -18,7 +18,7 @@ pub struct PhaseNode {
     pub level: usize,
     /// The phase field that splits it, one value for each vertex; empty if it is not split.
     pub u: Arc<Vec<f64>>,
-    /// Vertices in islands where the field reaches neither phase: they lie on the other side than its sign says. Empty for none.
+    /// Vertices in islands where the field reaches neither phase at any vertex: they lie on the other side than its sign says. Empty for none.
     pub islands: Arc<Vec<bool>>,
     /// Its diffuse indicator χ^α at each vertex.
     pub weight: Arc<Vec<f64>>,
@@ -149,7 +149,8 @@ impl PhaseFieldState {
     /// Where an edge between two leaves crosses from one to the other, from its first end.
     pub(super) fn crossing(&self, [a, b]: [usize; 2]) -> Option<f64> {
         let u = &self.nodes[self.parting([a, b])?].u;
-        Some(u[a] / (u[a] - u[b]))
+        // Edges of another triangulation may leave an island without crossing 0.
+        ((u[a] >= 0.0) != (u[b] >= 0.0)).then(|| u[a] / (u[a] - u[b]))
     }
 
     /// Sets the field of a split; its sides are made if there are none.
@@ -167,21 +168,25 @@ impl PhaseFieldState {
         self.weigh_below(node);
     }
 
-    /// Computes the weights of everything below a split.
+    /// Computes the weights of everything below a split. What are islands there is not known until the splits below have been searched anew.
     fn weigh_below(&mut self, node: usize) {
         let mut stack = vec![node];
         while let Some(node) = stack.pop() {
             let Some(children) = self.nodes[node].children else { continue };
             let (w, u) = (self.nodes[node].weight.clone(), self.nodes[node].u.clone());
+            let islands = self.nodes[node].islands.clone();
             let mut positive = Vec::with_capacity(u.len());
             let mut negative = Vec::with_capacity(u.len());
-            for (w, &u) in w.iter().zip(&*u) {
-                let chi = indicator(u).0;
+            for (v, (w, &u)) in w.iter().zip(&*u).enumerate() {
+                let is_island = islands.get(v).copied().unwrap_or(false);
+                let chi = indicator(if is_island { -u } else { u }).0;
                 positive.push(w * chi);
                 negative.push(w * (1.0 - chi));
             }
-            self.nodes[children[0]].weight = Arc::new(positive);
-            self.nodes[children[1]].weight = Arc::new(negative);
+            for (child, weight) in children.into_iter().zip([positive, negative]) {
+                self.nodes[child].weight = Arc::new(weight);
+                self.nodes[child].islands = Arc::default();
+            }
             stack.extend(children);
         }
     }
@@ -195,13 +200,16 @@ impl PhaseFieldState {
             let sides = self.sides(node);
             let faint = faint_parts(mesh, &sides, &self.nodes[node].u, e1);
             if !faint.contains(&true) {
-                return;
+                break;
             }
             let islands = Arc::make_mut(&mut self.nodes[node].islands);
             islands.resize(sides.len(), false);
             for (is_island, is_faint) in islands.iter_mut().zip(faint) {
                 *is_island ^= is_faint;
             }
+        }
+        if !self.nodes[node].islands.is_empty() {
+            self.weigh_below(node);
         }
     }
 

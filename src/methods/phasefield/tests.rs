@@ -159,6 +159,12 @@ fn islands_that_reach_no_phase_lie_on_the_side_around_them() {
     assert!(faint.iter().all(|&v| sides[v] == 1), "with what lies in it");
     assert!(strong.iter().all(|&v| sides[v] == 0), "this one is a phase");
     assert_eq!((sides[0], sides[u.len() - 1]), (0, 1));
+    // Weights follow, and still add up to 1.
+    let weights = state.leaf_weights();
+    assert!(faint.iter().all(|&v| weights[1][v] > 0.5));
+    assert!((0..u.len()).all(|v| (weights[0][v] + weights[1][v] - 1.0).abs() < 1e-15));
+    // An edge that leaves the island without crossing 0, as another triangulation may have.
+    assert_eq!(state.crossing([at(23, 6), at(2, 0)]), None);
     // A field that reaches no phase anywhere still divides.
     state.put(0, &u.iter().map(|u| 0.1 * u).collect::<Vec<_>>());
     state.give_up_islands(&domain.mesh, 0, 0.6);

@@ -223,7 +223,9 @@ impl Segmentation for PhaseField {
     fn prepare(&mut self, inputs: &Inputs) -> Result<bool, Problem> {
         let surface = inputs.surface;
         let wrong = |error| Problem::solve(&surface.name, &error);
-        if inputs.settings.text("phase_start") == "painted" && inputs.layers.regions.is_empty() {
+        let is_painted = inputs.settings.text("phase_start") == "painted";
+        // What was found before goes on without its start.
+        if is_painted && inputs.layers.regions.is_empty() && self.saved.is_none() {
             return Err(Problem::new(
                 "Nothing to start from: no regions are painted yet.",
                 "Start of the divisions.",
@@ -429,7 +431,7 @@ fn params(inputs: &Inputs) -> PhaseFieldParams {
     let start = match settings.text("phase_start") {
         "random" => Start::Random,
         "normals" => Start::Normals,
-        "painted" => {
+        "painted" if !layers.regions.is_empty() => {
             let side = |v: usize| if layers.regions[v] == 0 { 1.0 } else { -1.0 };
             Start::Values(Arc::new((0..mesh.vertex_count()).map(side).collect()))
         }

@@ -160,6 +160,13 @@ impl Stage {
         }
     }
 
+    /// Has the next picture shaded whole, for those who keep it.
+    pub fn shade_whole(&mut self) {
+        if let Some(occlusion) = &mut self.occlusion {
+            occlusion.catch_up();
+        }
+    }
+
     /// Vertices with soft shade. Of a large mesh that is new some are shaded with each picture, so that no picture is late.
     fn shaded_bytes(&mut self, part: Part) -> Vec<u8> {
         let Some(occlusion) = &mut self.occlusion else { return Vec::new() };
