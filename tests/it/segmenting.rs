@@ -302,10 +302,16 @@ fn looser_limits_go_on_merging_and_two_pieces_can_be_kept_apart() {
     go_on(&mut session, &mut events);
     let loose = session.develop_report(None).unwrap().patches.len();
     assert!(loose < tight, "{tight} then {loose}");
+    let went_on = |session: &mut Session| {
+        let notices = session.develop_report(None).unwrap().notices;
+        notices.iter().any(|notice| notice.text.starts_with("Looser limits went on"))
+    };
+    assert!(went_on(&mut session), "a fresh run may be better");
     let limit =
         |percent: f64| Command::SetParameter { id: "area_limit".into(), value: number(percent) };
     let mut events = session.handle(limit(4.0));
     go_on(&mut session, &mut events);
+    assert!(!went_on(&mut session), "this began anew");
     let labels = session.labels();
     let of = |label: u32| labels.iter().position(|&l| l == label).unwrap();
     let apart = [of(0), of(1)];

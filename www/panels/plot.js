@@ -32,11 +32,11 @@ function spread(wanted, floor) {
   return at;
 }
 
-const largest = (values) => values.reduce((most, value) => Math.max(most, value), -Infinity);
+const topmost = (values) => values.reduce((most, value) => Math.max(most, value), -Infinity);
 
 /** Up to where steps with these largest values are drawn. Both ends of the lines are always seen. */
 function ceiling(peaks) {
-  const most = largest(peaks);
+  const most = topmost(peaks);
   const usual = peaks.toSorted((a, b) => a - b)[Math.floor(NEARLY_ALL * (peaks.length - 1))];
   return usual > 0 && most > SPIKE * usual ? Math.max(1.25 * usual, peaks[0], peaks.at(-1)) : most;
 }
@@ -105,7 +105,7 @@ export function energyPlot(host) {
         s("text", { class: "val", x: width, y: ends[line] + 4 }, fixed(value(last, line), digits)),
       );
     }
-    const spike = peaks.indexOf(largest(peaks));
+    const spike = peaks.indexOf(topmost(peaks));
     if (peaks[spike] > top) {
       const at = x(points[spike].step);
       const isRight = at < (left + right) / 2;

@@ -162,9 +162,14 @@ impl Segmentation for Developable {
             || run.plan.symmetry != plan.symmetry;
         if let Stage::Merge(flow) = &mut run.stage {
             if is_merge {
-                let change = flow.set_params(plan.merge).map_err(wrong)?;
-                if change == ParamsChange::Restarted {
-                    run.curve.truncate(1);
+                let has_merged = flow.steps() > 0;
+                match flow.set_params(plan.merge).map_err(wrong)? {
+                    ParamsChange::Nothing => {}
+                    ParamsChange::Continued => run.went_on |= has_merged,
+                    ParamsChange::Restarted => {
+                        run.curve.truncate(1);
+                        run.went_on = false;
+                    }
                 }
             }
             if is_wish {
@@ -275,8 +280,13 @@ impl Segmentation for Developable {
         if self.has_dropped {
             notes.push("First pieces have changed: what was joined or kept apart by hand was given up; Undo brings it back.".to_owned());
         }
-        let Some(Run { stage: Stage::Merge(flow), plan, .. }) = &self.run else { return notes };
+        let Some(Run { stage: Stage::Merge(flow), plan, went_on, .. }) = &self.run else {
+            return notes;
+        };
         let state = flow.state();
+        if *went_on {
+            notes.push("Looser limits went on from the pieces that there were: Reset and Run may lead to fewer.".to_owned());
+        }
         if plan.smooths {
             notes.push("Limits were tested on the surface with smooth seams; the measures are those of the surface itself.".to_owned());
         }

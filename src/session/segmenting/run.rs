@@ -59,6 +59,8 @@ pub(super) struct Run {
     pub after: [Option<(usize, f64)>; 4],
     /// Charts that merging began with.
     pub charts: Rc<Vec<u32>>,
+    /// Whether looser limits went on from what tighter ones had merged.
+    pub went_on: bool,
     pub steps: usize,
     pub curve: Vec<Event>,
 }
@@ -85,6 +87,7 @@ impl Run {
             stage: Stage::Vsa(flow),
             after: [None; 4],
             charts: Rc::default(),
+            went_on: false,
             steps: 0,
             curve: Vec::new(),
         };
