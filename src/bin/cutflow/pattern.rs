@@ -28,7 +28,8 @@ pub struct PatternArgs {
     /// The mesh, or `sample:NAME`, or a project that was saved before.
     #[command(flatten)]
     mesh: MeshArgs,
-    /// A cut.json that another command wrote: its pieces are flattened anew, and divided where their charts would overlap; `uv` for the UV seams of the mesh. Without it the cut flow runs.
+    /// A cut.json that another command wrote: its pieces are flattened anew, and divided where their charts would overlap; `uv` for the UV
+    /// seams of the mesh. Without it the cut flow runs.
     #[arg(long, value_name = "FILE")]
     cut: Option<PathBuf>,
     /// A cones.json that `cutflow cones` wrote: seams join these cones.

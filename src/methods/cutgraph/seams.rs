@@ -78,7 +78,8 @@ pub fn cut_through(
     for (faces, shape) in faces.into_iter().zip(whole.patch_shapes()) {
         seams.extend(surgeon.cut(&Patch::new(mesh, faces), shape));
     }
-    let length = seams.iter().map(|&e| geometry.edge_length(e)).sum();
+    // The sum of nothing is −0.
+    let length = seams.iter().fold(0.0, |sum, &e| sum + geometry.edge_length(e));
     cut.cut_edges = seams.iter().map(|&e| mesh.edge_vertices(e).map(|v| v.0)).collect();
     let opened = cut.open()?;
     Ok(Seams { cut, opened, length })

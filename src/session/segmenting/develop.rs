@@ -165,10 +165,10 @@ impl Segmentation for Developable {
                 let has_merged = flow.steps() > 0;
                 match flow.set_params(plan.merge).map_err(wrong)? {
                     ParamsChange::Nothing => {}
-                    ParamsChange::Continued => run.went_on |= has_merged,
+                    ParamsChange::Continued => run.has_gone_on |= has_merged,
                     ParamsChange::Restarted => {
                         run.curve.truncate(1);
-                        run.went_on = false;
+                        run.has_gone_on = false;
                     }
                 }
             }
@@ -280,11 +280,11 @@ impl Segmentation for Developable {
         if self.has_dropped {
             notes.push("First pieces have changed: what was joined or kept apart by hand was given up; Undo brings it back.".to_owned());
         }
-        let Some(Run { stage: Stage::Merge(flow), plan, went_on, .. }) = &self.run else {
+        let Some(Run { stage: Stage::Merge(flow), plan, has_gone_on, .. }) = &self.run else {
             return notes;
         };
         let state = flow.state();
-        if *went_on {
+        if *has_gone_on {
             notes.push("Looser limits went on from the pieces that there were: Reset and Run may lead to fewer.".to_owned());
         }
         if plan.smooths {

@@ -60,7 +60,7 @@ pub(super) struct Run {
     /// Charts that merging began with.
     pub charts: Rc<Vec<u32>>,
     /// Whether looser limits went on from what tighter ones had merged.
-    pub went_on: bool,
+    pub has_gone_on: bool,
     pub steps: usize,
     pub curve: Vec<Event>,
 }
@@ -87,7 +87,7 @@ impl Run {
             stage: Stage::Vsa(flow),
             after: [None; 4],
             charts: Rc::default(),
-            went_on: false,
+            has_gone_on: false,
             steps: 0,
             curve: Vec::new(),
         };

@@ -76,7 +76,7 @@ pub fn part_sectors(
     let edges = || mesh.edges().filter(|e| network.is_cut[e.index()]);
     let mut cut = seams.cut.clone();
     cut.cut_edges = edges().map(|e| mesh.edge_vertices(e).map(|v| v.0)).collect();
-    let length = edges().map(|e| geometry.edge_length(e)).sum();
+    let length = edges().fold(0.0, |sum, e| sum + geometry.edge_length(e));
     let opened = cut.open()?;
     Ok(Parted { seams: Seams { cut, opened, length }, paths, added, wide })
 }
