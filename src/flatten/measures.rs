@@ -163,6 +163,12 @@ pub fn overlaps_across(opened: &OpenedMesh, flattening: &Flattening, packing: &P
         })
         .collect();
     let outlines: Vec<&[Point2<f64>]> = outlines.iter().map(Vec::as_slice).collect();
+    let boxes: Vec<Bounds> = outlines.iter().map(|outline| Bounds::of(outline)).collect();
+    let mut candidates = Vec::new();
+    Tree::new(&boxes).for_pairs(|p, q| candidates.push([p as usize, q as usize]));
+    if candidates.is_empty() {
+        return 0;
+    }
     let contacts = contacts(&outlines);
     let charts = |pairs: &[[super::overlap::Side; 2]]| {
         let mut counts: BTreeMap<[usize; 2], usize> = BTreeMap::new();
@@ -175,9 +181,6 @@ pub fn overlaps_across(opened: &OpenedMesh, flattening: &Flattening, packing: &P
     let crossed = charts(&contacts.crossings);
     let touched: BTreeSet<[usize; 2]> = charts(&contacts.touches).into_keys().collect();
     let mut overlaps = crossed.values().sum();
-    let boxes: Vec<Bounds> = outlines.iter().map(|outline| Bounds::of(outline)).collect();
-    let mut candidates = Vec::new();
-    Tree::new(&boxes).for_pairs(|p, q| candidates.push([p as usize, q as usize]));
     candidates.retain(|pair| !crossed.contains_key(pair));
     candidates.sort_unstable();
     let mut places = None;
@@ -215,17 +218,18 @@ impl FaceMap {
         let as_complex = |p: Point2<f64>| Complex::new(p.x - a.x, p.y - a.y);
         let area = geometry.face_areas[face.index()];
         let longest = sides.iter().fold(0.0, |m: f64, &side| m.max(side));
+        let inverse = 1.0 / sides[0];
         // Corners of the face in its plane: 0, sides[0] and the third, by its angle where the face is so flat that its
         // cotangents are not the true ones (see `Geometry::measure`).
         let (x, y) = if area > FLAT * longest * longest {
-            let height = 2.0 * area / sides[0];
+            let height = 2.0 * area * inverse;
             (geometry.corner_cotangents[face.index()][0] * height, height)
         } else {
             let (sin, cos) = geometry.corner_angles[face.index()][0].sin_cos();
             (sides[2] * cos, sides[2] * sin)
         };
-        let f_x = as_complex(b) / sides[0];
-        let f_y = (as_complex(c) - f_x * x) / y;
+        let f_x = as_complex(b) * inverse;
+        let f_y = (as_complex(c) - f_x * x) * (1.0 / y);
         let rotated = Complex::new(-f_y.im, f_y.re);
         let doubled = orientation(a, b, c);
         Self {
@@ -244,14 +248,17 @@ impl FaceMap {
 
     fn distortion(&self) -> Distortion {
         let [larger, smaller] = self.singular_values();
-        let size = smaller.abs();
-        let stretch_squared = 0.5 * (1.0 / (larger * larger) + 1.0 / (smaller * smaller));
+        let product = larger * smaller.abs();
+        // One division for all: they are what this costs.
+        let inverse = 1.0 / product;
+        let squares = larger * larger + smaller * smaller;
+        let stretch_squared =
+            if product <= 0.0 { f64::INFINITY } else { 0.5 * squares * inverse * inverse };
         Distortion {
-            angle: larger / size,
-            log_scale: 0.5 * (larger * size).ln(),
+            angle: larger * larger * inverse,
+            log_scale: 0.5 * product.ln(),
             stretch_squared,
-            symmetric_dirichlet: 0.25 * (larger * larger + smaller * smaller)
-                + 0.5 * stretch_squared,
+            symmetric_dirichlet: 0.25 * squares + 0.5 * stretch_squared,
         }
     }
 }

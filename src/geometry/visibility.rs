@@ -6,6 +6,7 @@
 use nalgebra::Point3;
 
 use super::{Geometry, Laplacian, Nearest};
+use crate::linalg::dot;
 use crate::mesh::{Mesh, VertexId};
 
 /// Width of the transition from seen to hidden, in mean edge lengths. With 1 the staircase of the 0/1 visibility along triangles
@@ -78,7 +79,6 @@ fn diffuse(mesh: &Mesh, geometry: &Geometry, values: &mut [f64], length: f64) {
     for (i, mass) in masses.iter().enumerate() {
         matrix[pattern.diagonal(i)] += mass;
     }
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
     let mut product = vec![0.0; values.len()];
     pattern.multiply(&matrix, values, &mut product);
     let right: Vec<f64> = values.iter().zip(&masses).map(|(s, m)| s * m).collect();

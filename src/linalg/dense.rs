@@ -1,5 +1,7 @@
 //! Small dense symmetric positive definite systems whose rows come and go: a Cholesky factor that is updated, not made anew.
 
+use super::vector::dot;
+
 /// The factor C of a dense matrix A = C Cᵀ, row by row.
 ///
 /// **Guaranteed**: no shift is added. **Not guaranteed**: accuracy for ill-conditioned matrices; callers measure residuals.
@@ -81,19 +83,6 @@ impl DenseCholesky {
             }
         }
     }
-}
-
-/// aᵀb. Four sums at a time: the compiler may not reorder one.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in a4.zip(b4) {
-        for k in 0..4 {
-            sums[k] += x[k] * y[k];
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@
 
 mod dense;
 mod solve;
+mod vector;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -38,7 +39,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Par, Side};
 
 pub use dense::DenseCholesky;
-pub(crate) use dense::dot;
+pub(crate) use vector::{add, dot, sums, widely};
 
 /// What can go wrong on this floor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

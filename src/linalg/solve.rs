@@ -8,6 +8,8 @@ use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 use faer::sparse::linalg::cholesky::simplicial::SymbolicSimplicialCholesky;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
+use super::vector::widely;
+
 /// A supernode of the factor L: consecutive columns with one pattern.
 struct Block<'a> {
     /// First column.
@@ -20,6 +22,7 @@ struct Block<'a> {
 }
 
 impl<'a> Block<'a> {
+    #[inline(always)]
     fn new(symbolic: &'a SymbolicSupernodalCholesky<u32>, values: &'a [f64], s: usize) -> Self {
         let start = symbolic.supernode_begin()[s] as usize;
         let width = symbolic.supernode_end()[s] as usize - start;
@@ -30,12 +33,14 @@ impl<'a> Block<'a> {
         Self { start, width, rows, values }
     }
 
+    #[inline(always)]
     fn column(&self, j: usize) -> &'a [f64] {
         let height = self.width + self.rows.len();
         &self.values[j * height..(j + 1) * height]
     }
 
     /// x ← L⁻¹ x as far as these columns go.
+    #[inline(always)]
     fn forward<const N: usize>(&self, x: &mut [[f64; N]], below: &mut Vec<[f64; N]>) {
         below.clear();
         below.resize(self.rows.len(), [0.0; N]);
@@ -61,6 +66,7 @@ impl<'a> Block<'a> {
     }
 
     /// x ← L⁻ᵀ x as far as these columns go.
+    #[inline(always)]
     fn backward<const N: usize>(&self, x: &mut [[f64; N]], below: &mut Vec<[f64; N]>) {
         below.clear();
         below.extend(self.rows.iter().map(|&row| x[row as usize]));
@@ -77,6 +83,7 @@ impl<'a> Block<'a> {
     }
 }
 
+#[inline(always)]
 fn subtract<const N: usize>(target: &mut [f64; N], l: f64, pivot: &[f64; N]) {
     for (target, p) in target.iter_mut().zip(pivot) {
         *target -= l * p;
@@ -84,6 +91,7 @@ fn subtract<const N: usize>(target: &mut [f64; N], l: f64, pivot: &[f64; N]) {
 }
 
 /// Σ l x for each right-hand side, in four sums: the compiler may not reorder one.
+#[inline(always)]
 fn products<const N: usize>(column: &[f64], x: &[[f64; N]]) -> [f64; N] {
     let mut sums = [[0.0; N]; 4];
     let (columns, xs) = (column.chunks_exact(4), x.chunks_exact(4));
@@ -121,10 +129,13 @@ pub(super) fn solve<const N: usize>(
     let row = |i: usize| order.map_or(i, |order| order[i] as usize);
     let mut x: Vec<[f64; N]> =
         (0..size).map(|i| std::array::from_fn(|k| rhs[k * size + row(i)])).collect();
-    match symbolic {
-        SymbolicCholeskyRaw::Supernodal(blocks) => by_blocks(blocks, values, &mut x),
-        SymbolicCholeskyRaw::Simplicial(columns) => by_columns(columns, values, &mut x),
-    }
+    widely(
+        #[inline(always)]
+        || match symbolic {
+            SymbolicCholeskyRaw::Supernodal(blocks) => by_blocks(blocks, values, &mut x),
+            SymbolicCholeskyRaw::Simplicial(columns) => by_columns(columns, values, &mut x),
+        },
+    );
     for (i, x) in x.iter().enumerate() {
         for (k, value) in x.iter().enumerate() {
             rhs[k * size + row(i)] = *value;
@@ -132,6 +143,7 @@ pub(super) fn solve<const N: usize>(
     }
 }
 
+#[inline(always)]
 fn by_blocks<const N: usize>(
     symbolic: &SymbolicSupernodalCholesky<u32>,
     values: &[f64],
@@ -147,6 +159,7 @@ fn by_blocks<const N: usize>(
 }
 
 /// Every column begins with its diagonal entry.
+#[inline(always)]
 fn by_columns<const N: usize>(
     symbolic: &SymbolicSimplicialCholesky<u32>,
     values: &[f64],

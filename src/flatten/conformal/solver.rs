@@ -7,9 +7,9 @@
 
 use std::sync::Arc;
 
-use super::triangle::{Triangle, face_energy};
+use super::triangle::{Triangle, face_energy, twice_arctangents};
 use super::triangulation::{Keeps, NONE, Triangulation};
-use crate::linalg::{Analysis, Elimination, Factor, LinalgError, Pattern, worse};
+use crate::linalg::{Analysis, Elimination, Factor, LinalgError, Pattern, dot, worse};
 
 /// Largest change of a log scale factor in one step. Without it thin ellipsoids (30 : 1) send v out of the range of numbers.
 const LONGEST_STEP: f64 = 5.0;
@@ -180,12 +180,6 @@ impl Solver {
         solver
     }
 
-    /// A face with these lengths of edges, and its sides.
-    fn triangle(&self, lengths: &[f64], f: usize) -> ([u32; 3], Triangle) {
-        let sides = self.triangulation.sides(f);
-        (sides, Triangle::of_lengths(sides.map(|h| lengths[(h >> 1) as usize])))
-    }
-
     /// Angle sums and cotangents at v in the triangulation as it stands.
     ///
     /// Sums carry their rounding along, and 2π is more than its f64: 2.4e-16 too little at each of 10 000 vertices would add up to
@@ -193,19 +187,26 @@ impl Solver {
     pub fn evaluate(&self, v: &[f64]) -> Evaluation {
         let tri = &self.triangulation;
         let lengths = tri.scaled_lengths(v);
-        let mut angles = Vec::with_capacity(tri.face_count());
+        let mut angles: Vec<[f64; 3]> = Vec::with_capacity(tri.face_count());
         let mut cotangents = vec![0.0; tri.tail.len()];
         let mut gradient = self.targets.clone();
         let mut lost: Vec<f64> =
             self.is_rim.iter().map(|r| if *r { 0.5 * TAU_REST } else { TAU_REST }).collect();
         for f in 0..tri.face_count() {
-            let (sides, triangle) = self.triangle(&lengths, f);
+            let sides = tri.sides(f);
+            let triangle = Triangle::of_half_tangents(sides.map(|h| lengths[(h >> 1) as usize]));
             angles.push(triangle.angles);
             for i in 0..3 {
                 cotangents[sides[i] as usize] = triangle.cotangents[i];
+            }
+        }
+        twice_arctangents(angles.as_flattened_mut());
+        for (f, angles) in angles.iter().enumerate() {
+            let sides = tri.sides(f);
+            for i in 0..3 {
                 // Opposite side i lies the tail of the side before.
                 let corner = tri.tail[sides[(i + 2) % 3] as usize] as usize;
-                let (before, angle) = (gradient[corner], triangle.angles[i]);
+                let (before, angle) = (gradient[corner], angles[i]);
                 let after = before - angle;
                 let taken = before - after;
                 lost[corner] += (before - (after + taken)) + (taken - angle);
@@ -552,8 +553,4 @@ impl Solver {
         self.analyses += earlier.analyses;
         self.rejected += earlier.rejected;
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

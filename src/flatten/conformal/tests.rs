@@ -9,6 +9,7 @@ use super::part::{Limits, Part, components};
 use super::solver::{Progress, Solver};
 use super::targets::Condition;
 use super::triangulation::Keeps;
+use crate::linalg::dot;
 use crate::mesh::Mesh;
 
 const LIMITS: Limits = Limits { tolerance: 1e-10, most_steps: 50 };
@@ -62,10 +63,6 @@ fn noise(n: usize) -> Vec<f64> {
 
 fn along(solver: &Solver, direction: &[f64], t: f64) -> Vec<f64> {
     solver.v.iter().zip(direction).map(|(v, d)| v + t * d).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn energy_at(solver: &Solver, v: &[f64]) -> f64 {

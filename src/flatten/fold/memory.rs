@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use crate::linalg::{add, dot};
+
 /// Pairs kept. Three take half again as many steps, twelve hardly fewer and more time each.
 const PAIRS: usize = 6;
 
@@ -50,25 +52,5 @@ impl Memory {
             add(&mut d, alpha - beta, s);
         }
         Ok(d)
-    }
-}
-
-/// Σ aᵢ bᵢ, in four sums side by side: one alone waits for itself.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a4.zip(b4) {
-        for i in 0..4 {
-            sums[i] += a[i] * b[i];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
-}
-
-/// a += factor · b.
-pub(super) fn add(a: &mut [f64], factor: f64, b: &[f64]) {
-    for (a, b) in a.iter_mut().zip(b) {
-        *a += factor * b;
     }
 }

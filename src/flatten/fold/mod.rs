@@ -33,11 +33,11 @@ use std::sync::Arc;
 use nalgebra::Point3;
 
 use super::Flattening;
-use crate::linalg::{Analysis, Factor};
+use crate::linalg::{Analysis, Factor, add, dot};
 use crate::mesh::OpenedMesh;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 
-use memory::{Memory, add, dot};
+use memory::Memory;
 use sheet::Sheet;
 
 pub use place::FoldMeasures;

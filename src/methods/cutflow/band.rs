@@ -18,7 +18,7 @@ use crate::mesh::VertexId;
 
 /// Rings of vertices around the crossed faces that carry level sets. With fewer than two a cut that moves one edge leaves
 /// its band; more than three only cost.
-const RINGS: usize = 3;
+const RINGS: u8 = 3;
 
 /// Stands for a label that is not stored at a vertex: farther than any step, in mean edge lengths.
 const FAR: f64 = 4.0;
@@ -183,21 +183,37 @@ impl LevelSets {
         }
         near_labels.sort_unstable();
         near_labels.dedup();
-        let mut offers: Vec<u64> = Vec::new();
-        for _ in 0..RINGS {
+        // The round in which a vertex last was in the ring, and beside it.
+        let mut rounds = vec![[0u8; 2]; mesh.vertex_count()];
+        let (mut beside, mut near): (Vec<VertexId>, Vec<u32>) = Default::default();
+        let mut offers: Vec<(VertexId, u32)> = Vec::new();
+        for round in 1..=RINGS {
             // A second offer to the vertices at hand, then on to their neighbours.
-            offers.clear();
-            for &v in &ring {
-                for h in mesh.outgoing(v) {
-                    let w = mesh.tip(h);
-                    candidates.for_each(v, |_, nearest| offers.push(joined(w, nearest.segment)));
+            beside.clear();
+            ring.iter().for_each(|v| rounds[v.index()][0] = round);
+            for w in ring.iter().flat_map(|&v| mesh.outgoing(v)).map(|h| mesh.tip(h)) {
+                if std::mem::replace(&mut rounds[w.index()][1], round) != round {
+                    beside.push(w);
                 }
             }
-            offers.sort_unstable();
-            offers.dedup();
+            beside.sort_unstable();
+            offers.clear();
+            for &w in &beside {
+                near.clear();
+                for v in mesh.outgoing(w).map(|h| mesh.tip(h)) {
+                    if rounds[v.index()][0] == round {
+                        candidates.for_each(v, |_, nearest| near.push(nearest.segment));
+                    }
+                }
+                near.sort_unstable();
+                near.dedup();
+                let is_news = |&segment: &u32| {
+                    !candidates.has(w, cut.segments[segment as usize].labels, segment)
+                };
+                offers.extend(near.iter().copied().filter(is_news).map(|segment| (w, segment)));
+            }
             ring.clear();
-            for &offer in &offers {
-                let (w, segment) = (VertexId((offer >> 32) as u32), offer as u32);
+            for &(w, segment) in &offers {
                 if candidates.is_empty(w) {
                     ring.push(w);
                 }

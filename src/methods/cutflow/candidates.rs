@@ -48,6 +48,17 @@ impl Candidates {
         }
     }
 
+    /// Whether a segment is what is known to be closest of the boundaries of both these labels.
+    pub fn has(&self, v: VertexId, labels: [u32; 2], segment: u32) -> bool {
+        let mut found = [false; 2];
+        self.for_each(v, |label, nearest| {
+            for k in 0..2 {
+                found[k] |= label == labels[k] && nearest.segment == segment;
+            }
+        });
+        found == [true; 2]
+    }
+
     /// Takes a place on the boundary between two labels where it is closer than what is known.
     pub fn offer(&mut self, v: VertexId, labels: [u32; 2], nearest: Nearest) {
         'labels: for label in labels {

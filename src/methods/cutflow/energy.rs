@@ -10,10 +10,9 @@ use std::sync::Arc;
 use nalgebra::Vector2;
 
 use super::cut::{Corner, CrossedFace, Cut, FacePoints, Frames, NONE, Node, Segment};
-use super::metric::dot;
-use super::terms::{CutFields, Energy, Pointwise, Source, Weights};
+use super::terms::{CutFields, Energy, Pointwise, Source, Weights, mean_square};
 use crate::geometry::{Geometry, Laplacian, face_curvatures};
-use crate::linalg::{Analysis, Factor, LinalgError};
+use crate::linalg::{Analysis, Factor, LinalgError, dot};
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 
 /// Everything that does not change while the cut moves.
@@ -495,7 +494,7 @@ impl Problem {
         let b = weights.pointwise;
         let is_square = b == Pointwise::Square;
         self.for_elements(cut, u, |area, values, _| {
-            energy.hencky += area * Pointwise::Square.mean(values).0;
+            energy.hencky += area * mean_square(values);
             if !is_square {
                 energy.pointwise += area * b.mean(values).0;
             }

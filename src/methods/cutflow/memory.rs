@@ -10,7 +10,8 @@ use nalgebra::Point3;
 use super::band::crossing_place;
 use super::cut::Cut;
 use super::energy::Problem;
-use super::metric::{CurveMetric, dot};
+use super::metric::CurveMetric;
+use crate::linalg::{add, dot};
 
 /// Pairs kept.
 const PAIRS: usize = 8;
@@ -115,9 +116,7 @@ impl Memory {
         for i in (0..self.pairs.len()).rev().filter(|&i| usable(i)) {
             let (ps, _, rho) = &lowered[i];
             alphas[i] = rho * dot(ps, &d);
-            for (d, y) in d.iter_mut().zip(&self.pairs[i].1) {
-                *d -= alphas[i] * y;
-            }
+            add(&mut d, -alphas[i], &self.pairs[i].1);
         }
         if let Some(i) = (0..self.pairs.len()).rev().find(|&i| usable(i)) {
             let (_, py, rho) = &lowered[i];
@@ -129,9 +128,7 @@ impl Memory {
         for i in (0..self.pairs.len()).filter(|&i| usable(i)) {
             let (_, py, rho) = &lowered[i];
             let beta = rho * dot(py, &d);
-            for (d, s) in d.iter_mut().zip(&self.pairs[i].0) {
-                *d += (alphas[i] - beta) * s;
-            }
+            add(&mut d, alphas[i] - beta, &self.pairs[i].0);
         }
         d
     }

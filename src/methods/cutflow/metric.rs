@@ -106,8 +106,3 @@ impl CurveMetric {
         }
     }
 }
-
-/// aᵀb.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}

@@ -38,7 +38,6 @@ use coarse::{Coarse, SavedCoarse};
 use cut::{Cut, Frames, NONE};
 use energy::{Problem, SharedFactor, Solution};
 use memory::Memory;
-use metric::dot;
 use probe::{Probe, SavedProbe};
 use symmetric::Symmetric;
 
@@ -54,7 +53,7 @@ use nalgebra::Point3;
 
 use super::flow::{Flow, SolveError, Status, StepReport};
 use crate::geometry::Geometry;
-use crate::linalg::{Factor, LinalgError};
+use crate::linalg::{Factor, LinalgError, dot};
 use crate::mesh::{CutMesh, EdgeId, Mesh, VertexId};
 
 /// A labelled surface and what is known of its cut.

@@ -3,9 +3,9 @@
 use super::band::LevelSets;
 use super::cut::Cut;
 use super::energy::{Problem, Solution};
-use super::metric::{CurveMetric, dot};
+use super::metric::CurveMetric;
 use super::{CutFlow, CutState, Scheme, init, topology};
-use crate::linalg::LinalgError;
+use crate::linalg::{LinalgError, dot};
 use crate::methods::flow::SolveError;
 
 /// How (ℓ, clip) change after each failed line search in a row; when all have failed the run ends.

@@ -51,8 +51,7 @@ impl Pointwise {
     pub(super) fn mean(self, [a, b, c]: [f64; 3]) -> (f64, [f64; 3]) {
         if self == Self::Square {
             let sum = a + b + c;
-            let mean = (a * a + b * b + c * c + sum * sum) / 12.0;
-            return (mean, [a, b, c].map(|x| (x + sum) / 6.0));
+            return (mean_square([a, b, c]), [a, b, c].map(|x| (x + sum) / 6.0));
         }
         // Six points of degree 4: two orbits of three.
         const ORBITS: [(f64, f64); 2] = [
@@ -74,6 +73,13 @@ impl Pointwise {
         }
         (mean, slopes)
     }
+}
+
+/// Mean of u² over a triangle in which u is linear, by its values at the corners.
+#[inline]
+pub(super) fn mean_square([a, b, c]: [f64; 3]) -> f64 {
+    let sum = a + b + c;
+    (a * a + b * b + c * c + sum * sum) / 12.0
 }
 
 /// Weights of the objective, for a surface of unit area.

@@ -97,12 +97,16 @@ impl Domain {
         self.mass.len()
     }
 
-    /// The mean of a field over the corners of each face.
+    /// The mean of a field over the corners of a face.
+    #[inline]
+    pub fn face_mean(&self, f: usize, u: &[f64]) -> f64 {
+        let [a, b, c] = self.triangles[f];
+        (u[a as usize] + u[b as usize] + u[c as usize]) / 3.0
+    }
+
+    /// The same for all faces.
     pub fn face_means(&self, u: &[f64]) -> Vec<f64> {
-        self.triangles
-            .iter()
-            .map(|t| (u[t[0] as usize] + u[t[1] as usize] + u[t[2] as usize]) / 3.0)
-            .collect()
+        (0..self.triangles.len()).map(|f| self.face_mean(f, u)).collect()
     }
 
     /// lᵀ kᶠ s for the stiffness kᶠ of a face: ∫ ∇l·∇s over it.
@@ -142,9 +146,4 @@ impl Domain {
             }
         }
     }
-}
-
-/// aᵀb.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -13,6 +13,7 @@ use super::state::{PhaseFieldState, PhaseNode};
 use super::terms::connected::edge;
 use super::terms::yamabe::Yamabe;
 use crate::geometry::Geometry;
+use crate::linalg::dot;
 use crate::mesh::{CutMesh, Mesh};
 use crate::methods::cutflow::Initial;
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
@@ -338,8 +339,7 @@ impl PhaseFieldFlow {
     fn begin_next(&mut self) -> Result<(), SolveError> {
         let whole: f64 = self.domain.mass.iter().sum();
         let nodes = &self.progress.state.nodes;
-        let is_worth_it =
-            |weight: &[f64]| super::domain::dot(weight, &self.domain.mass) > SMALLEST * whole;
+        let is_worth_it = |weight: &[f64]| dot(weight, &self.domain.mass) > SMALLEST * whole;
         let next = nodes.iter().position(|node| {
             node.level < self.params.levels && !node.is_settled && is_worth_it(&node.weight)
         });

@@ -1,8 +1,8 @@
 //! Limited-memory BFGS with a strong Wolfe search, one iteration at a time.
 
-use super::domain::{Domain, dot};
+use super::domain::Domain;
 use super::objective::{Evaluation, Objective};
-use crate::linalg::LinalgError;
+use crate::linalg::{LinalgError, add, dot, sums};
 
 /// Pairs kept: each costs four passes over two vectors in every iteration, about half a product of matrix and vector.
 const PAIRS: usize = 7;
@@ -24,7 +24,8 @@ pub(super) struct Descent {
     /// Gradient of F without constraint, by the directions.
     gradient: Vec<f64>,
     directions: Vec<f64>,
-    diagonal: Vec<f64>,
+    /// Inverse of what the search measures gradients with.
+    inverse: Vec<f64>,
     /// Steps s, changes of gradient y, 1 / sᵀy.
     pairs: Vec<(Vec<f64>, Vec<f64>, f64)>,
     /// Evaluations so far.
@@ -50,8 +51,8 @@ impl Descent {
         let at = objective.evaluate(domain, u, directions)?;
         let directions = objective.directions(&at);
         let gradient = objective.reduce(domain, &at, &directions);
-        let diagonal = objective.diagonal(domain, &at);
-        Ok(Self { at, gradient, directions, diagonal, pairs: Vec::new(), evaluations: 1 })
+        let inverse = objective.diagonal(domain, &at).iter().map(|d| 1.0 / d).collect();
+        Ok(Self { at, gradient, directions, inverse, pairs: Vec::new(), evaluations: 1 })
     }
 
     /// Goes on with another objective from where it is.
@@ -65,7 +66,14 @@ impl Descent {
 
     /// Squared norm of the gradient in the metric of the search: twice what a quadratic with that curvature promises.
     pub fn gradient_norm(&self) -> f64 {
-        self.gradient.iter().zip(&self.diagonal).map(|(g, d)| g * g / d).sum()
+        self.size(&self.gradient)
+    }
+
+    /// gᵀ D⁻¹ g.
+    fn size(&self, g: &[f64]) -> f64 {
+        let (g, inverse) = (&g[..self.inverse.len()], &self.inverse[..]);
+        let [size] = sums(g.len(), |i| [g[i] * g[i] * inverse[i]]);
+        size
     }
 
     /// One iteration; false, and nothing changed, where no step was found.
@@ -93,22 +101,15 @@ impl Descent {
         let mut alphas = vec![0.0; self.pairs.len()];
         for (i, (s, y, rho)) in self.pairs.iter().enumerate().rev() {
             alphas[i] = rho * dot(s, &d);
-            for (d, y) in d.iter_mut().zip(y) {
-                *d -= alphas[i] * y;
-            }
+            add(&mut d, -alphas[i], y);
         }
-        let gamma = self.pairs.last().map_or(1.0, |(_, y, rho)| {
-            let size: f64 = y.iter().zip(&self.diagonal).map(|(y, d)| y * y / d).sum();
-            1.0 / (rho * size)
-        });
-        for (d, diagonal) in d.iter_mut().zip(&self.diagonal) {
-            *d *= gamma / diagonal;
+        let gamma = self.pairs.last().map_or(1.0, |(_, y, rho)| 1.0 / (rho * self.size(y)));
+        for (d, inverse) in d.iter_mut().zip(&self.inverse) {
+            *d *= gamma * inverse;
         }
         for (i, (s, y, rho)) in self.pairs.iter().enumerate() {
             let beta = rho * dot(y, &d);
-            for (d, s) in d.iter_mut().zip(s) {
-                *d += (alphas[i] - beta) * s;
-            }
+            add(&mut d, alphas[i] - beta, s);
         }
         d
     }

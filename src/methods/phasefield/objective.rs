@@ -4,14 +4,14 @@
 //! indicator. Fields are moved to their prescribed areas first ([`area::project`]), from the top down; the gradient comes back from the
 //! bottom up.
 
-use super::domain::{Domain, dot};
+use super::domain::Domain;
 use super::params::PhaseFieldParams;
 use super::profile::indicator;
-use super::terms::connected::Parts;
+use super::terms::connected::{Parts, Proof};
 use super::terms::perimeter::Perimeter;
 use super::terms::yamabe::Yamabe;
 use super::terms::{area, connected};
-use crate::linalg::LinalgError;
+use crate::linalg::{LinalgError, dot};
 
 /// A split that takes part.
 #[derive(Clone)]
@@ -21,8 +21,8 @@ pub(super) struct Member {
     /// w, where it is given.
     pub weight: Vec<f64>,
     perimeter: Option<Perimeter>,
-    /// m w, where w is given.
-    measure: Vec<f64>,
+    /// m w and its sum, where w is given.
+    measure: (Vec<f64>, f64),
 }
 
 /// The terms of one split.
@@ -88,7 +88,7 @@ impl Prices {
 impl Member {
     /// A split of a segment with this weight.
     pub fn given(weight: Vec<f64>) -> Self {
-        Self { parent: None, weight, perimeter: None, measure: Vec::new() }
+        Self { parent: None, weight, perimeter: None, measure: Default::default() }
     }
 
     /// A split of a side of another member.
@@ -97,7 +97,7 @@ impl Member {
             parent: Some((parent, sign)),
             weight: Vec::new(),
             perimeter: None,
-            measure: Vec::new(),
+            measure: Default::default(),
         }
     }
 }
@@ -107,6 +107,8 @@ pub(super) struct Objective {
     pub members: Vec<Member>,
     pub prices: Prices,
     yamabe: Yamabe,
+    /// Of each member's phases.
+    proofs: Vec<Proof>,
 }
 
 impl Objective {
@@ -115,9 +117,10 @@ impl Objective {
         for member in members.iter_mut().filter(|m| m.parent.is_none()) {
             let Prices { epsilon, sigma, .. } = prices;
             member.perimeter = Some(Perimeter::new(domain, &member.weight, epsilon, sigma));
-            member.measure = product(&domain.mass, &member.weight);
+            member.measure = measure(&domain.mass, &member.weight);
         }
-        Self { members, prices, yamabe: Yamabe::default() }
+        let proofs = vec![Proof::default(); members.len()];
+        Self { members, prices, yamabe: Yamabe::default(), proofs }
     }
 
     /// F at trial fields, which are moved to their areas along `directions`.
@@ -148,16 +151,16 @@ impl Objective {
             }
             let w = &weights[own.clone()];
             let made;
-            let mw = if self.members[i].parent.is_none() {
+            let (mw, whole) = if self.members[i].parent.is_none() {
                 &self.members[i].measure
             } else {
-                made = product(&domain.mass, w);
+                made = measure(&domain.mass, w);
                 &made
             };
-            let whole: f64 = mw.iter().sum();
+            let whole = *whole;
             let target = self.prices.fraction * whole;
             let field = &mut u[own.clone()];
-            let excess = area::project(mw, target, &directions[own.clone()], field);
+            let excess = area::project(mw, [whole, target], &directions[own.clone()], field);
             let by_own = if is_free { &mut by_weight[own.clone()] } else { &mut [][..] };
             let gradients = [&mut by_field[own.clone()], by_own];
             let mut split = self.add_terms(domain, i, field, w, gradients)?;
@@ -200,10 +203,19 @@ impl Objective {
         if !(omega > 0.0 || parts > 0.0) {
             return Ok(split);
         }
-        let u_faces = domain.face_means(u);
-        let pieces = (parts > 0.0).then(|| Parts::new(domain, &u_faces, connected::edge(epsilon)));
-        if !(omega > 0.0) && pieces.as_ref().is_none_or(|p| p.counts.iter().all(|&c| c < 2)) {
+        let e1 = connected::edge(epsilon);
+        let proof = &mut self.proofs[member];
+        let is_whole = parts <= 0.0 || proof.holds(|f| domain.face_mean(f, u), e1, domain);
+        if !(omega > 0.0) && is_whole {
             return Ok(split);
+        }
+        let u_faces = domain.face_means(u);
+        let pieces = (!is_whole).then(|| Parts::new(domain, &u_faces, e1));
+        if pieces.as_ref().is_some_and(|p| p.counts.iter().all(|&c| c < 2)) {
+            proof.renew(&u_faces, e1, domain);
+            if !(omega > 0.0) {
+                return Ok(split);
+            }
         }
         let w_faces = domain.face_means(w);
         let mut face_gradients = [vec![0.0; u_faces.len()], vec![0.0; u_faces.len()]];
@@ -320,7 +332,7 @@ impl Objective {
     }
 }
 
-/// Entry by entry.
-fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a * b).collect()
+/// Products entry by entry, and their sum.
+fn measure(mass: &[f64], weight: &[f64]) -> (Vec<f64>, f64) {
+    (mass.iter().zip(weight).map(|(m, w)| m * w).collect(), dot(mass, weight))
 }

@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::domain::{Domain, dot};
+use super::domain::Domain;
 use super::params::{PhaseFieldParams, Start};
-use crate::linalg::{Factor, LinalgError};
+use crate::linalg::{Factor, LinalgError, dot};
 use crate::methods::cutflow::uniform;
 
 /// Correlation length of noise in a segment of area 4π: a few bumps across it. Much shorter, and the first iterations go into

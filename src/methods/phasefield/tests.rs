@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use super::domain::{Domain, dot};
+use super::domain::Domain;
 use super::objective::{Member, Objective, Prices};
 use super::params::PhaseFieldParams;
 use super::profile::indicator;
 use super::state::PhaseFieldState;
-use super::terms::connected::{Parts, add, edge};
+use super::terms::connected::{Parts, Proof, add, edge};
 use crate::geometry::Geometry;
+use crate::linalg::dot;
 use crate::mesh::Mesh;
 
 /// A sphere of latitude rings with a dent, of unit area: cheap, uneven, and no two edges alike.
@@ -135,6 +136,39 @@ fn connectedness_has_its_gradient_with_many_parts() {
         // Rounding 1e-9 of a sum of hundreds of terms.
         assert!((difference - exact).abs() < 1e-6 * exact.abs(), "{difference} {exact}");
     }
+}
+
+#[test]
+fn a_carried_proof_never_says_that_islands_are_one_part_and_rarely_misses_that_there_is_one() {
+    let domain = blob(30, 44);
+    let e1 = edge(0.2);
+    let heights: Vec<f64> = domain.geometry.positions.iter().map(|p| p.z / 1.1).collect();
+    let noise = bumps(&domain, 0.3);
+    let mut proof = Proof::default();
+    let (mut carried, mut missed, mut apart) = (0, 0, 0);
+    for step in 0..1000 {
+        let t = 0.02 * f64::from(step);
+        // An interface that wanders, and islands that come and go.
+        let at = |v: usize| {
+            let island = (3.0 * t).sin().max(0.0) * noise[v];
+            (4.0 * (heights[v] - 0.4 * t.sin())).clamp(-1.0, 1.0) + 0.9 * island
+        };
+        let u: Vec<f64> = (0..domain.len()).map(at).collect();
+        let faces = domain.face_means(&u);
+        let is_one = Parts::new(&domain, &faces, e1).counts.iter().all(|&c| c < 2);
+        let holds = proof.holds(|f| domain.face_mean(f, &u), e1, &domain);
+        assert!(is_one || !holds, "step {step}");
+        carried += usize::from(holds);
+        missed += usize::from(is_one && !holds);
+        apart += usize::from(!is_one);
+        if is_one && !holds {
+            proof.renew(&faces, e1, &domain);
+        }
+    }
+    assert!(
+        apart > 40 && carried > 3 * missed,
+        "{carried} carried, {missed} missed, {apart} apart"
+    );
 }
 
 #[test]

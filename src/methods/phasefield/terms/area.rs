@@ -5,23 +5,29 @@
 //! penalty, or an interior-point method.
 
 use super::super::profile::indicator;
+use crate::linalg::sums;
 
 /// Moves `u` along `direction` until Σ mw χ(u) = target. A direction w χ′(u) moves the interface by the same distance everywhere
 /// and leaves the phases as they are.
 ///
-/// **Takes** weights mw ≥ 0 and a direction that is positive where they are; a target between 0 and Σ mw. **Gives** the area
+/// **Takes** weights mw ≥ 0, their sum, a target between 0 and that, and a direction that is positive where weights are. **Gives** the area
 /// that is missing, rounding unless there is no weight. **Costs** about three passes.
-pub(in super::super) fn project(mw: &[f64], target: f64, direction: &[f64], u: &mut [f64]) -> f64 {
+pub(in super::super) fn project(
+    mw: &[f64],
+    [whole, target]: [f64; 2],
+    direction: &[f64],
+    u: &mut [f64],
+) -> f64 {
+    let n = u.len();
     let area_at = |c: f64| {
-        let (mut area, mut slope) = (0.0, 0.0);
-        for ((&u, &p), &mw) in u.iter().zip(direction).zip(mw) {
-            let (chi, chi_slope) = indicator(u + c * p);
-            area += mw * chi;
-            slope += mw * chi_slope * p;
-        }
+        let (u, direction, mw) = (&u[..n], &direction[..n], &mw[..n]);
+        let [area, slope] = sums(n, |i| {
+            let (chi, slope) = indicator(u[i] + c * direction[i]);
+            [mw[i] * chi, mw[i] * slope * direction[i]]
+        });
         (area - target, slope)
     };
-    let tolerance = 1e-13 * mw.iter().sum::<f64>();
+    let tolerance = 1e-13 * whole;
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     let (mut c, mut stride) = (0.0, 1.0);
     let mut excess = 0.0;

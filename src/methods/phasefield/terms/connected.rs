@@ -11,7 +11,7 @@
 )]
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 
 use super::super::domain::{Domain, NONE};
 use super::super::profile::smoothstep;
@@ -19,6 +19,9 @@ use super::super::profile::smoothstep;
 /// Parts that are looked at in one evaluation, largest first: the others wait until these have grown together. Keeps an
 /// evaluation bounded when noise has hundreds.
 const MOST_PARTS: usize = 64;
+
+/// Layers of faces that may come to a phase between two fields, or nearly so, before its connection is proved anew.
+const ROUNDS: usize = 8;
 
 /// Above this, values are dear again: nothing is gained by u ≫ 1.
 const TOP: f64 = 1.5;
@@ -72,6 +75,115 @@ impl Parts {
         }
         Self { of, counts: counts.map(|c| c as usize) }
     }
+}
+
+/// A proof that either phase is in one part, carried from field to field: every face of a phase but its first has a neighbour in it that
+/// came before. Few faces change sides between two fields; only those are looked at.
+#[derive(Clone, Default)]
+pub(in super::super) struct Proof {
+    /// 1 above e₁, −1 below −e₁, else 0.
+    sides: Vec<i8>,
+    /// The neighbour that came before; [`NONE`] for a first face and outside of the phases.
+    parents: Vec<u32>,
+    /// When a face came.
+    times: Vec<u32>,
+    now: u32,
+    firsts: [u32; 2],
+}
+
+impl Proof {
+    /// Whether the phases of a field, given by means over faces, are still proved to be in one part each. Where not, they may be all the same.
+    /// **Costs** some passes over the faces.
+    pub fn holds(&mut self, mean: impl Fn(usize) -> f64, e1: f64, domain: &Domain) -> bool {
+        let holds = self.sides.len() == domain.areas.len() && self.carry(mean, e1, domain);
+        if !holds {
+            self.sides.clear();
+        }
+        holds
+    }
+
+    fn carry(&mut self, mean: impl Fn(usize) -> f64, e1: f64, domain: &Domain) -> bool {
+        for (f, old) in self.sides.iter_mut().enumerate() {
+            let side = side_of(mean(f), e1);
+            if side != *old {
+                *old = side;
+                self.parents[f] = NONE;
+                self.times[f] = NONE;
+            }
+        }
+        // Those whose neighbour has left, and those that came.
+        let mut loose = Vec::new();
+        for (f, &side) in self.sides.iter().enumerate() {
+            let parent = self.parents[f];
+            let hangs_on = parent != NONE && self.sides[parent as usize] == side;
+            if side != 0 && !hangs_on && !self.firsts.contains(&(f as u32)) {
+                self.parents[f] = NONE;
+                loose.push(f);
+            }
+        }
+        let is_first_there = self.firsts.iter().zip([1, -1]).all(|(&f, side)| {
+            if f == NONE { !self.sides.contains(&side) } else { self.sides[f as usize] == side }
+        });
+        // More rounds than that are no small change.
+        for _ in 0..ROUNDS {
+            if is_first_there && !loose.is_empty() {
+                loose.retain(|&f| !self.hang_on(f, domain));
+            }
+        }
+        is_first_there && loose.is_empty()
+    }
+
+    /// Finds a neighbour that came before, for a face that has just come any.
+    fn hang_on(&mut self, f: usize, domain: &Domain) -> bool {
+        let hangs = |g: u32| self.parents[g as usize] != NONE || self.firsts.contains(&g);
+        let is_before = |g: u32| self.times[f] == NONE || self.times[g as usize] < self.times[f];
+        let found = domain.neighbours[f].into_iter().filter(|&g| {
+            g != NONE && self.sides[g as usize] == self.sides[f] && hangs(g) && is_before(g)
+        });
+        // The first to come is furthest inside, and the last to leave.
+        let Some(parent) = found.min_by_key(|&g| self.times[g as usize]) else { return false };
+        self.parents[f] = parent;
+        if self.times[f] == NONE {
+            self.times[f] = self.now;
+            self.now += 1;
+        }
+        true
+    }
+
+    /// Begins anew from phases in at most one part each.
+    pub fn renew(&mut self, u: &[f64], e1: f64, domain: &Domain) {
+        self.sides = u.iter().map(|&u| side_of(u, e1)).collect();
+        self.parents = vec![NONE; u.len()];
+        self.times = vec![NONE; u.len()];
+        self.now = 0;
+        for (side, first) in [(1i8, 0), (-1, 1)] {
+            // Far inside: it stays.
+            let best = (0..u.len())
+                .filter(|&f| self.sides[f] == side)
+                .max_by(|&f, &g| u[f].abs().total_cmp(&u[g].abs()));
+            self.firsts[first] = best.map_or(NONE, |f| f as u32);
+            let mut queue: VecDeque<usize> = best.into_iter().collect();
+            for &f in &queue {
+                self.times[f] = self.now;
+                self.now += 1;
+            }
+            while let Some(f) = queue.pop_front() {
+                for g in domain.neighbours[f].into_iter().filter(|&g| g != NONE) {
+                    let g = g as usize;
+                    if self.sides[g] == side && self.times[g] == NONE {
+                        self.times[g] = self.now;
+                        self.now += 1;
+                        self.parents[g] = f as u32;
+                        queue.push_back(g);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn side_of(u: f64, e1: f64) -> i8 {
+    i8::from(u > e1) - i8::from(u < -e1)
 }
 
 /// Shortest paths over faces from one part, in reused memory.

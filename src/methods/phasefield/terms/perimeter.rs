@@ -3,8 +3,9 @@
 //! P = ε/2 Σ_f (w_f + η) u_fᵀ kᶠ u_f + 1/ε Σ m w Ψ(u), and 1/σ Σ m (1 − w) u². P tends to √2 times the length of the interface as
 //! ε does to 0. **From** [PF] eq. 9.
 
-use super::super::domain::{Domain, dot};
+use super::super::domain::Domain;
 use super::super::profile::well;
+use crate::linalg::{dot, sums};
 
 /// Keeps the matrix definite outside of the segment; any small number does.
 const ETA: f64 = 1e-6;
@@ -41,15 +42,13 @@ impl Perimeter {
     pub fn add(&self, domain: &Domain, u: &[f64], gradient: &mut [f64]) -> [f64; 2] {
         let mut product = vec![0.0; u.len()];
         domain.analysis.pattern().multiply(&self.stiffness, u, &mut product);
-        let mut perimeter = 0.5 * dot(u, &product);
-        let mut penalty = 0.0;
-        for (i, &u) in u.iter().enumerate() {
-            let (psi, slope) = well(u);
-            perimeter += self.wells[i] * psi;
-            penalty += self.outside[i] * u * u;
-            gradient[i] += product[i] + self.wells[i] * slope + 2.0 * self.outside[i] * u;
+        let rows = self.wells.iter().zip(&self.outside).zip(u.iter().zip(&product));
+        for (g, ((wells, outside), (&u, product))) in gradient.iter_mut().zip(rows) {
+            *g += product + wells * well(u).1 + 2.0 * outside * u;
         }
-        [perimeter, penalty]
+        let (n, wells, outside) = (u.len(), &self.wells[..u.len()], &self.outside[..u.len()]);
+        let [wells, penalty] = sums(n, |i| [wells[i] * well(u[i]).0, outside[i] * u[i] * u[i]]);
+        [0.5 * dot(u, &product) + wells, penalty]
     }
 
     /// Adds the gradient of the sum by the weight.

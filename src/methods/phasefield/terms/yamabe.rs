@@ -4,8 +4,8 @@
 //! length, where the phase's indicator y is 1; where it is 0 a penalty holds s at 0. **From** [PF] eq. 12.
 //! **Differs**: K is not taken away from, the adjoint has the sign +2, and boundaries of the mesh have s = 0.
 
-use super::super::domain::{Domain, dot};
-use crate::linalg::{Factor, LinalgError};
+use super::super::domain::Domain;
+use crate::linalg::{Factor, LinalgError, dot};
 
 /// Keeps the matrix definite where a closed component lies in the phase as a whole, which nothing can flatten.
 const FLOOR: f64 = 1e-6;
