@@ -15,10 +15,12 @@
 //! Guaranteed: coordinates, order and names of the mesh survive bit for bit; unknown keys are passed over. Not guaranteed: that what was shown
 //! (camera, painted field) or compared comes back; that another target gives the same last digits.
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
 
 use super::brought::Brought;
 use super::document::Document;
@@ -101,7 +103,10 @@ impl Gift {
 #[derive(Clone, Default)]
 pub(super) struct Log {
     origin: Option<Rc<Origin>>,
-    last: Option<Rc<Node>>,
+    /// The last page, and how much of it belongs to this log: what follows was done after a clone went another way.
+    page: Option<(Rc<Page>, usize)>,
+    /// Another one after each thing that was done, coming to rest apart.
+    done: Option<Rc<()>>,
     /// Steps since the last entry, or rounds of the solver of cones since then and since the last step.
     steps: usize,
     rounds: usize,
@@ -114,17 +119,22 @@ struct Origin {
     settings: Settings,
 }
 
-struct Node {
-    entry: Entry,
-    before: Option<Rc<Node>>,
+/// Bytes of a page. Entries live as long as the document: scattered one by one over a heap they would keep it from being used again
+/// for what comes and goes, and wasm's would grow for ever.
+const PAGE: usize = 16 << 10;
+
+/// Entries, each a line of JSON.
+struct Page {
+    text: RefCell<String>,
+    before: Option<(Rc<Page>, usize)>,
 }
 
-impl Drop for Node {
-    // Not one call deeper for each entry.
+impl Drop for Page {
+    // Not one call deeper for each page.
     fn drop(&mut self) {
         let mut next = self.before.take();
-        while let Some(mut node) = next.and_then(|node| Rc::try_unwrap(node).ok()) {
-            next = node.before.take();
+        while let Some(mut page) = next.and_then(|(page, _)| Rc::try_unwrap(page).ok()) {
+            next = page.before.take();
         }
     }
 }
@@ -181,7 +191,24 @@ impl Log {
     }
 
     fn link(&mut self, entry: Entry) {
-        self.last = Some(Rc::new(Node { entry, before: self.last.take() }));
+        use Entry::{LaidOut, Rounds, Settle, Solved, Steps};
+        if !matches!(entry, Steps(_) | Rounds(_) | Solved | LaidOut | Settle) {
+            self.done = Some(Rc::new(()));
+        }
+        let mut line = written(&entry);
+        line.push('\n');
+        if let Some((page, length)) = &mut self.page {
+            let mut text = page.text.borrow_mut();
+            if text.len() == *length && text.capacity() - *length >= line.len() {
+                text.push_str(&line);
+                *length = text.len();
+                return;
+            }
+        }
+        let mut text = String::with_capacity(line.len().max(PAGE));
+        text.push_str(&line);
+        let before = self.page.take();
+        self.page = Some((Rc::new(Page { text: RefCell::new(text), before }), line.len()));
     }
 
     /// Entries of the rounds and steps since the last one. A step after a round belongs to what comes after the solution.
@@ -193,7 +220,7 @@ impl Log {
 
     /// Whether the same things were done, whatever has come to rest by itself since.
     pub fn is_same(&self, other: &Self) -> bool {
-        let is_one = match (self.last_done(), other.last_done()) {
+        let is_one = match (&self.done, &other.done) {
             (Some(own), Some(its)) => Rc::ptr_eq(own, its),
             (own, its) => own.is_none() && its.is_none(),
         };
@@ -201,30 +228,26 @@ impl Log {
         is_one && origins.is_some_and(|(own, its)| Rc::ptr_eq(own, its))
     }
 
-    /// The last thing that was done, not what came to rest after it.
-    fn last_done(&self) -> Option<&Rc<Node>> {
-        let mut last = self.last.as_ref();
-        let is_rest = |entry: &Entry| {
-            use Entry::{LaidOut, Rounds, Settle, Solved, Steps};
-            matches!(entry, Steps(_) | Rounds(_) | Solved | LaidOut | Settle)
-        };
-        while let Some(node) = last.filter(|node| is_rest(&node.entry)) {
-            last = node.before.as_ref();
+    /// All entries as they are written.
+    fn lines(&self) -> Vec<String> {
+        let mut pages = Vec::new();
+        let mut next = self.page.as_ref();
+        while let Some((page, length)) = next {
+            pages.push((page, *length));
+            next = page.before.as_ref();
         }
-        last
+        let mut all = Vec::new();
+        for (page, length) in pages.into_iter().rev() {
+            all.extend(page.text.borrow()[..length].lines().map(str::to_owned));
+        }
+        all.extend(self.open_steps().iter().map(written));
+        all
     }
+}
 
-    fn entries(&self) -> Vec<Entry> {
-        let mut entries = self.open_steps();
-        entries.reverse();
-        let mut next = self.last.as_ref();
-        while let Some(node) = next {
-            entries.push(node.entry.clone());
-            next = node.before.as_ref();
-        }
-        entries.reverse();
-        entries
-    }
+/// An entry as a line of JSON.
+fn written(entry: &Entry) -> String {
+    serde_json::to_string(entry).expect("plain values can be written")
 }
 
 /// Whether a command changes what a project holds. What opens a mesh begins another one.
@@ -252,16 +275,17 @@ pub(super) fn is_kept(command: &Command) -> bool {
     )
 }
 
+/// A project; its log as entries, or as they are written.
 #[derive(Serialize, Deserialize)]
-struct ProjectFile {
+struct ProjectFile<E = Entry> {
     cutflow_project: u32,
     mesh: MeshText,
     #[serde(default)]
     method: String,
     #[serde(default)]
     parameters: BTreeMap<String, Value>,
-    #[serde(default)]
-    log: Vec<Entry>,
+    #[serde(default = "Vec::new")]
+    log: Vec<E>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -441,6 +465,11 @@ impl Session {
             String::from_utf8_lossy(&pattern::mesh_obj(&document.soup, document.mm_per_unit))
                 .into_owned()
         });
+        // What is still to be done again belongs to it.
+        let lines = done.lines().into_iter().chain(self.replay.entries.iter().map(written));
+        let log: Result<Vec<_>, _> = lines.map(RawValue::from_string).collect();
+        let unwritten =
+            |error| refused(&document.name, format!("The project could not be written: {error}."));
         let file = ProjectFile {
             cutflow_project: VERSION,
             mesh: MeshText {
@@ -451,13 +480,56 @@ impl Session {
             },
             method: origin.method.id().to_owned(),
             parameters: origin.settings.values(),
-            // What is still to be done again belongs to it.
-            log: done.entries().into_iter().chain(self.replay.entries.iter().cloned()).collect(),
+            log: log.map_err(unwritten)?,
         };
-        let bytes = serde_json::to_vec(&file).map_err(|error| {
-            refused(&document.name, format!("The project could not be written: {error}."))
-        })?;
+        let bytes = serde_json::to_vec(&file).map_err(unwritten)?;
         let name = format!("{}-project.json", stem(&document.name));
         Ok(File { name, mime: "application/json", bytes })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cone(vertex: usize) -> Entry {
+        Entry::Bring(Gift::Cone { vertex: vertex as f64, angle: Some(0.1) })
+    }
+
+    #[test]
+    fn logs_that_part_share_what_they_have_in_common_and_nothing_else() {
+        let document = Document::from_sample("ball").unwrap();
+        let settings = size::settings_for(&document);
+        let mut log = Log::new(Rc::new(document), Method::Cones, settings);
+        let mut all = Vec::new();
+        for i in 0..3000 {
+            log.push(cone(i));
+            all.push(cone(i));
+        }
+        let mut other = log.clone();
+        // Coming to rest is nothing that was done.
+        other.step();
+        other.push(Entry::Settle);
+        assert!(log.is_same(&other));
+        other = log.clone();
+        let long = Entry::LayOut { name: "a\nb".into(), cut: "x\u{2028}".repeat(PAGE) };
+        log.push(long.clone());
+        other.step();
+        other.push(cone(7));
+        log.step();
+        assert!(!log.is_same(&other));
+        let entries = |log: &Log| -> Vec<Entry> {
+            log.lines().iter().map(|line| serde_json::from_str(line).unwrap()).collect()
+        };
+        assert_eq!(entries(&log), [&all[..], &[long.clone(), Entry::Steps(1)]].concat());
+        assert_eq!(entries(&other), [&all[..], &[Entry::Steps(1), cone(7)]].concat());
+        // Pages, not entries, are what lies about in memory: one for some hundreds.
+        let mut pages = 0;
+        let mut next = other.page.clone();
+        while let Some((page, _)) = next {
+            pages += 1;
+            next = page.before.clone();
+        }
+        assert!((2..20).contains(&pages), "{pages}");
     }
 }

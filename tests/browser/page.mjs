@@ -31,9 +31,9 @@ export class Page {
   }
 
   /** Waits for a status line; gives the match. The page itself watches: a state that soon passes is not missed. */
-  async status(pattern) {
+  async status(pattern, patience = PATIENCE_MS) {
     await this.page.getByRole("status").waitFor({ state: "attached" });
-    const { match, text } = await this.page.evaluate(watchStatus, { source: pattern.source, flags: pattern.flags, patience: PATIENCE_MS });
+    const { match, text } = await this.page.evaluate(watchStatus, { source: pattern.source, flags: pattern.flags, patience });
     if (match) return match;
     throw new Error(`the status line says “${text}” and never ${pattern}`);
   }
