@@ -8,6 +8,7 @@
 //! curvature is none. Not guaranteed: good conditioning; slivers give large cotangents, and [`without_slivers`] finds triangles
 //! of the same surface that do not.
 
+mod centre_line;
 mod curvature;
 mod distance;
 pub mod doctor;
@@ -23,6 +24,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Mesh, SurfacePoint, VertexId};
 
+pub use centre_line::centre_lines;
 pub use curvature::{angle_defects, angle_sums, face_curvatures};
 pub use distance::{GeodesicFront, geodesic_distances, geodesic_distances_from};
 pub use intrinsic::{Intrinsic, mollification, without_slivers};

@@ -28,7 +28,7 @@ use crate::methods::cutflow::CutFlow;
 pub enum Brought<'a> {
     /// One number for each vertex of the file.
     Layer {
-        /// What it is: `region penalty heat pin importance unimportant cone_cost excluded seam_paint`.
+        /// What it is: `region penalty heat pin importance unimportant cone_cost excluded seam_paint drawn_seam`.
         channel: &'a str,
         /// Labels, or amounts from 0 to 1.
         values: &'a [f64],
@@ -222,12 +222,12 @@ fn of_vertices(surface: &Surface, channel: &str, values: &[f64]) -> Result<Vec<f
     let most = match channel {
         "region" => 255.0,
         "penalty" | "heat" | "pin" | "importance" | "unimportant" | "cone_cost" | "excluded"
-        | "seam_paint" => 1.0,
+        | "seam_paint" | "drawn_seam" => 1.0,
         _ => {
             return Err(Problem::new(
                 format!("“{channel}” cannot be painted."),
                 "Layers.",
-                "Choose one of region, penalty, heat, pin, importance, unimportant, cone_cost, excluded, seam_paint.",
+                "Choose one of region, penalty, heat, pin, importance, unimportant, cone_cost, excluded, seam_paint, drawn_seam.",
             ));
         }
     };

@@ -35,6 +35,8 @@ pub struct Layers {
     pub excluded: Rc<Vec<f64>>,
     /// Where seams of developable patches stay, from one half.
     pub seams: Rc<Vec<f64>>,
+    /// Where seams of developable patches are drawn, from one half.
+    pub drawn: Rc<Vec<f64>>,
     /// Labels of a cut that was brought along.
     pub brought: Rc<Vec<u32>>,
     /// The pieces of another method.

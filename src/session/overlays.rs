@@ -37,6 +37,7 @@ impl Work {
                 return segmentation.field(id).map_err(|error| Problem::solve(name, &error));
             }
             "seam_paint" => return Ok(layer(&self.layers.seams)),
+            "drawn_seam" => return Ok(layer(&self.layers.drawn)),
             "phi" => return Ok(self.cones.optimum.as_ref().map(|state| state.phi.clone())),
             "regions" => {
                 // A stroke goes on from the cut that is there, unless regions were painted before.

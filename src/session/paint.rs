@@ -80,7 +80,7 @@ const PHASE_CHANNELS: [[&str; 4]; 1] = [[
 ]];
 
 /// The same for developable patches.
-const DEVELOP_CHANNELS: [[&str; 4]; 2] = [
+const DEVELOP_CHANNELS: [[&str; 4]; 3] = [
     [
         "penalty",
         "Hide seams",
@@ -92,6 +92,12 @@ const DEVELOP_CHANNELS: [[&str; 4]; 2] = [
         "Keep seams",
         "amount",
         "Seams that run through what is painted stay: pieces are not merged across them.",
+    ],
+    [
+        "drawn_seam",
+        "Draw seams",
+        "amount",
+        "A seam is cut along the middle of each stroke, and stays. Draw on to the next seam, or all the way around.",
     ],
 ];
 
@@ -123,6 +129,7 @@ impl Session {
                 "cone_cost" => layers.cone_cost.is_empty(),
                 "excluded" => layers.excluded.is_empty(),
                 "seam_paint" => layers.seams.is_empty(),
+                "drawn_seam" => layers.drawn.is_empty(),
                 _ => layers.pin.is_empty(),
             },
         };
@@ -419,6 +426,7 @@ impl Layers {
             "cone_cost" => &mut self.cone_cost,
             "excluded" => &mut self.excluded,
             "seam_paint" => &mut self.seams,
+            "drawn_seam" => &mut self.drawn,
             _ => &mut self.pin,
         }
     }

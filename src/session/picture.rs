@@ -22,8 +22,17 @@ pub(super) const COLOURS: usize = PALETTE.len();
 pub const TEMPERATURE: &str = "temperature";
 
 /// Fields that are amounts of paint.
-const AMOUNTS: [&str; 8] =
-    ["penalty", "heat", "pin", "importance", "unimportant", "cone_cost", "excluded", "seam_paint"];
+const AMOUNTS: [&str; 9] = [
+    "penalty",
+    "heat",
+    "pin",
+    "importance",
+    "unimportant",
+    "cone_cost",
+    "excluded",
+    "seam_paint",
+    "drawn_seam",
+];
 
 /// Bins of a field's histogram.
 const BINS: usize = 32;
@@ -72,7 +81,8 @@ pub fn fields(method: Method) -> Vec<Choice> {
             Choice::new("stretch", "Stretch"),
             Choice::new("isometry", "Symmetric Dirichlet"),
             Choice::new("penalty", "Hidden from seams"),
-            Choice::new("seam_paint", "Painted seams"),
+            Choice::new("seam_paint", "Kept seams"),
+            Choice::new("drawn_seam", "Drawn seams"),
         ];
     }
     vec![

@@ -8,7 +8,7 @@ use cutflow::flatten::merging::{
     ParamsChange, maps_triangles,
 };
 use cutflow::flatten::{measure, validate};
-use cutflow::geometry::Geometry;
+use cutflow::geometry::{Geometry, centre_lines};
 use cutflow::mesh::{EdgeId, Mesh, VertexId};
 use cutflow::methods::cutflow::{Initial, initial_labels};
 use cutflow::methods::flow::{Flow, SolveError, Status};
@@ -192,6 +192,49 @@ fn wishes_are_kept() {
     let patches = &flow.state().face_patches;
     let one = patches[of_label(labels[f])] == patches[of_label(labels[g])];
     assert!(one || !flow.state().refused.is_empty());
+    assert_valid(&flow);
+    assert_flat(&flow);
+}
+
+#[test]
+fn a_line_that_is_drawn_parts_patches_and_may_end_anywhere() {
+    let (surface, labels) = small_surface();
+    let height = |v: VertexId| surface.geometry.positions[v.index()].z;
+    let drawn = |is_in: &dyn Fn(VertexId) -> bool| {
+        let painted: Vec<bool> = surface.mesh.vertices().map(is_in).collect();
+        centre_lines(&surface.mesh, &surface.geometry, &painted, |_| false, 0.0)
+    };
+    let radius = surface.geometry.positions[0].coords.norm();
+    let ring = drawn(&|v| height(v).abs() < 0.2 * radius);
+    // As long as the equator, and a half more along zigzags.
+    let length: f64 = ring.iter().map(|&e| surface.geometry.edge_length(e)).sum();
+    assert!((1.0..1.5).contains(&(length / (std::f64::consts::TAU * radius))), "{length}");
+    let wishes = MergeWishes { kept_edges: ring.clone(), ..Default::default() };
+    let mut flow = begin(&surface, &labels, MergeParams::default(), wishes);
+    run(&mut flow);
+    assert!(ring.iter().all(|e| flow.state().cut_edges.contains(e)));
+    let mut sides = vec![[false; 2]; flow.state().patches.len()];
+    for (triangle, &patch) in surface.mesh.triangles().iter().zip(&flow.state().face_patches) {
+        let mean = triangle.iter().map(|&v| height(v)).sum::<f64>() / 3.0;
+        sides[patch as usize][0] |= mean > 0.25 * radius;
+        sides[patch as usize][1] |= mean < -0.25 * radius;
+    }
+    assert!(sides.iter().all(|side| *side != [true; 2]), "no patch reaches across");
+    assert_eq!(flow.state().released, 0);
+    assert_valid(&flow);
+    assert_flat(&flow);
+
+    // A stroke that begins and ends wherever it does.
+    let stroke = drawn(&|v| {
+        let p = surface.geometry.positions[v.index()];
+        p.z > 0.0 && p.y.abs() < 0.15 * radius && p.x.abs() < 0.8 * radius
+    });
+    assert!(stroke.len() > 5);
+    let wishes = MergeWishes { kept_edges: stroke.clone(), ..Default::default() };
+    let mut flow = begin(&surface, &labels, MergeParams::default(), wishes);
+    run(&mut flow);
+    let kept = stroke.iter().filter(|e| flow.state().cut_edges.contains(e)).count();
+    assert!(kept + flow.state().released >= stroke.len() && kept > 0, "{kept} kept");
     assert_valid(&flow);
     assert_flat(&flow);
 }

@@ -378,6 +378,43 @@ fn regions_that_are_painted_start_a_division_and_seams_that_are_painted_stay() {
     run(&mut session);
     let report = session.develop_report(None).unwrap();
     assert!(report.patches.len() >= report.vsa_charts, "no seam may go: {report:?}");
+    // With none to keep, a seam where it is drawn.
+    let mut session = open("developable", "ball", &[("vsa_tolerance", number(0.1))]);
+    run(&mut session);
+    let before = session.develop_report(None).unwrap();
+    let places = Document::from_sample("ball").unwrap().soup.positions.clone();
+    let radius = places.iter().map(|p| p[2]).fold(0.0, f64::max);
+    let band: Vec<f64> =
+        places.iter().map(|p| f64::from(u8::from(p[2].abs() < 0.1 * radius))).collect();
+    let cut = |session: &mut Session| {
+        String::from_utf8(session.export("Cut curves (OBJ)").unwrap().bytes).unwrap()
+    };
+    // Length of the cut inside the band.
+    let within = |text: &str| -> f64 {
+        let numbers = |line: &str| -> Vec<f64> {
+            line.split_whitespace().skip(1).map(|word| word.parse().unwrap()).collect()
+        };
+        let points: Vec<Vec<f64>> =
+            text.lines().filter(|l| l.starts_with("v ")).map(numbers).collect();
+        let length = |pair: &[f64]| {
+            let [a, b] = [pair[0], pair[1]].map(|i| &points[i as usize - 1]);
+            let is_in = [a, b].iter().all(|p| p[2].abs() < 0.11 * radius);
+            let square: f64 = (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
+            if is_in { square.sqrt() } else { 0.0 }
+        };
+        let lines = text.lines().filter(|l| l.starts_with("l ")).map(numbers);
+        lines.map(|line| line.windows(2).map(length).sum::<f64>()).sum()
+    };
+    let without = cut(&mut session);
+    let events = session.bring(Brought::Layer { channel: "drawn_seam", values: &band });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    run(&mut session);
+    let after = session.develop_report(None).unwrap();
+    assert_eq!(after.vsa_charts, before.vsa_charts, "first pieces are the same");
+    let text = cut(&mut session);
+    let (without, with) = (within(&without), within(&text));
+    let around = std::f64::consts::TAU * radius;
+    assert!(without < 0.5 * around && with > 0.95 * around, "{without} {with} of {around}");
 }
 
 #[test]

@@ -130,7 +130,7 @@ impl DevelopArgs {
 /// What both take.
 #[derive(Args)]
 struct Common {
-    /// A layer of one number from 0 to 1 for each vertex of the file, or of labels: region, penalty or seam_paint.
+    /// A layer of one number from 0 to 1 for each vertex of the file, or of labels: region, penalty, seam_paint (seams that stay) or drawn_seam (seams that are made).
     #[arg(long, value_name = "LAYER=FILE")]
     paint: Vec<String>,
     /// Any other parameter by its identifier; `--set help` lists them all.

@@ -12,7 +12,7 @@ use super::trial::{Bench, Limits, Map, Reject};
 use super::ways::{Offer, Way};
 use crate::flatten::small;
 use crate::geometry::Geometry;
-use crate::mesh::{EdgeId, FaceId, Mesh};
+use crate::mesh::{EdgeId, FaceId, HalfedgeId, Mesh};
 use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 
 /// What new parameters did to a flow.
@@ -151,37 +151,23 @@ impl MergeFlow {
         self.rejected.clear();
         let mesh = self.bench.mesh.clone();
         let geometry = self.bench.geometry.clone();
-        for e in mesh.edges() {
-            self.bench.set_cut(e, false);
-        }
-        self.bench.is_kept.fill(false);
-        for e in self.wishes.kept_edges.clone() {
-            let Some(kept) = self.bench.is_kept.get_mut(e.index()) else {
-                let (value, max) = (f64::from(e.0), mesh.edge_count() as f64);
-                return Err(SolveError::Parameter { name: "kept edge", value, min: 0.0, max });
+        // Kept edges that one image of a symmetry has to do without: neither has them then.
+        let mut given_up = BTreeSet::new();
+        let maps = loop {
+            self.keep(&given_up)?;
+            let maps = self.first_charts();
+            self.state.released += given_up.len();
+            let Some(mirror) = &self.mirror else { break maps };
+            let is_kept = &self.bench.is_kept;
+            let uneven = |e: &EdgeId| {
+                mirror.edge(*e).is_some_and(|image| is_kept[e.index()] != is_kept[image.index()])
             };
-            if !mesh.is_boundary_edge(e) {
-                *kept = true;
-                self.bench.set_cut(e, true);
+            let before = given_up.len();
+            given_up.extend(mesh.edges().filter(uneven));
+            if given_up.len() == before {
+                break maps;
             }
-        }
-        (self.face_charts, self.chart_labels) = match &self.mirror {
-            Some(mirror) => connected_charts(&mesh, &mirror.whole_labels(&self.labels)),
-            None => connected_charts(&mesh, &self.labels),
         };
-        self.state = MergeState::default();
-        let mut maps = self.split_charts();
-        // Charts that are no images of each other are divided until they are; pieces of charts that pass may fail and be split once more.
-        for _ in 0..2 {
-            let Some(mirror) = &self.mirror else { break };
-            let (fine, firsts) = mirror.common_labels(&self.face_charts);
-            let old = std::mem::take(&mut self.chart_labels);
-            let (charts, of) = connected_charts(&mesh, &fine);
-            self.face_charts = charts;
-            self.chart_labels =
-                of.into_iter().map(|fine| old[firsts[fine as usize] as usize]).collect();
-            maps = self.split_charts();
-        }
         self.member_of_chart = (0..small(maps.len())).collect();
         self.curves = curves(&mesh, &geometry, &self.face_charts);
         for curve in &self.curves {
@@ -223,6 +209,64 @@ impl MergeFlow {
         Ok(())
     }
 
+    /// Cuts what the wishes keep, and nothing else. With a symmetry both images are kept; a diagonal that has none is gone around.
+    fn keep(&mut self, given_up: &BTreeSet<EdgeId>) -> Result<(), SolveError> {
+        let mesh = self.bench.mesh.clone();
+        for e in mesh.edges() {
+            self.bench.set_cut(e, false);
+        }
+        self.bench.is_kept.fill(false);
+        let mut kept = Vec::new();
+        for &e in &self.wishes.kept_edges {
+            if e.index() >= mesh.edge_count() {
+                let (value, max) = (f64::from(e.0), mesh.edge_count() as f64);
+                return Err(SolveError::Parameter { name: "kept edge", value, min: 0.0, max });
+            }
+            let Some(mirror) = &self.mirror else {
+                kept.push(e);
+                continue;
+            };
+            let h = e.halfedge();
+            let around = [mesh.next(h).edge(), mesh.prev(h).edge()];
+            let all = if mirror.edge(e).is_some() { &[e][..] } else { &around };
+            kept.extend(all.iter().flat_map(|&e| [Some(e), mirror.edge(e)]).flatten());
+        }
+        for e in kept {
+            if !mesh.is_boundary_edge(e) && !given_up.contains(&e) {
+                self.bench.is_kept[e.index()] = true;
+                self.bench.set_cut(e, true);
+            }
+        }
+        Ok(())
+    }
+
+    /// Charts that pass, by labels and kept edges. **Gives** faces and map of each.
+    fn first_charts(&mut self) -> Vec<(Vec<FaceId>, Option<Map>)> {
+        (self.face_charts, self.chart_labels) = match &self.mirror {
+            Some(mirror) => self.parted(&mirror.whole_labels(&self.labels)),
+            None => self.parted(&self.labels),
+        };
+        self.state = MergeState::default();
+        let mut maps = self.split_charts();
+        // Charts that are no images of each other are divided until they are; pieces of charts that pass may fail and be split once more.
+        for _ in 0..2 {
+            let Some(mirror) = &self.mirror else { break };
+            let (fine, firsts) = mirror.common_labels(&self.face_charts);
+            let old = std::mem::take(&mut self.chart_labels);
+            let (charts, of) = self.parted(&fine);
+            self.face_charts = charts;
+            self.chart_labels =
+                of.into_iter().map(|fine| old[firsts[fine as usize] as usize]).collect();
+            maps = self.split_charts();
+        }
+        maps
+    }
+
+    /// Charts of some labels, parted along what stays cut as well.
+    fn parted(&self, labels: &[u32]) -> (Vec<u32>, Vec<u32>) {
+        connected_charts(&self.bench.mesh, labels, |e| self.bench.is_kept[e.index()])
+    }
+
     /// Splits charts until they pass. **Gives** faces and map of each chart.
     fn split_charts(&mut self) -> Vec<(Vec<FaceId>, Option<Map>)> {
         let (mesh, geometry) = (self.bench.mesh.clone(), self.bench.geometry.clone());
@@ -242,7 +286,12 @@ impl MergeFlow {
                     maps.push(Some(map));
                     break;
                 }
-                let halves = bisect(&mesh, &normals, &geometry.face_areas, &groups[chart]);
+                if let Some(map) = self.release(chart, &groups[chart], &limits) {
+                    maps.push(Some(map));
+                    break;
+                }
+                let is_kept = |e: EdgeId| self.bench.is_kept[e.index()];
+                let halves = bisect(&mesh, &normals, &geometry.face_areas, &groups[chart], is_kept);
                 let Some([kept, split]) = halves else {
                     maps.push(None);
                     break;
@@ -257,6 +306,34 @@ impl MergeFlow {
             }
         }
         groups.into_iter().zip(maps).collect()
+    }
+
+    /// Gives up cuts that were to stay and end inside a chart, where it lies flat without them.
+    fn release(&mut self, chart: usize, faces: &[FaceId], limits: &Limits) -> Option<Map> {
+        let mesh = self.bench.mesh.clone();
+        let is_inside = |h: HalfedgeId| {
+            let across = mesh.face(h.twin()).map(|g| self.face_charts[g.index()] as usize);
+            self.bench.is_kept[h.edge().index()] && across == Some(chart)
+        };
+        let mut slits: Vec<EdgeId> = faces
+            .iter()
+            .flat_map(|&f| mesh.face_halfedges(f))
+            .filter(|&h| is_inside(h))
+            .map(|h| h.edge())
+            .collect();
+        slits.sort_unstable();
+        slits.dedup();
+        if slits.is_empty() {
+            return None;
+        }
+        slits.iter().for_each(|&e| self.bench.set_cut(e, false));
+        let found = self.bench.flatten(faces, limits).ok();
+        for &e in &slits {
+            self.bench.is_kept[e.index()] = found.is_none();
+            self.bench.set_cut(e, found.is_none());
+        }
+        self.state.released += if found.is_some() { slits.len() } else { 0 };
+        found
     }
 
     /// Merges all patches with these two labels, limits or not.

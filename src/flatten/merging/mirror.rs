@@ -98,6 +98,11 @@ impl Mirror {
         self.faces[f.index()]
     }
 
+    /// Image of an edge; a diagonal of a quadrilateral that counts as a whole may have none.
+    pub fn edge(&self, e: EdgeId) -> Option<EdgeId> {
+        self.edges[e.index()]
+    }
+
     /// Images of edges, if all have one.
     pub fn edges(&self, edges: &[EdgeId]) -> Option<Vec<EdgeId>> {
         edges.iter().map(|e| self.edges[e.index()]).collect()

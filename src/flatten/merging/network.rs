@@ -15,9 +15,14 @@ pub struct Curve {
     pub length: f64,
 }
 
-/// Numbers the connected parts of equal label, by first face. **Gives** a chart for each face, and the label of each chart.
-pub fn connected_charts(mesh: &Mesh, labels: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let (charts, count) = developable::connected_charts(mesh, labels);
+/// Numbers the parts of equal label that hang together otherwise than across edges that `parts` accepts, by first face. **Gives** a chart for each
+/// face, and the label of each chart.
+pub fn connected_charts(
+    mesh: &Mesh,
+    labels: &[u32],
+    parts: impl Fn(EdgeId) -> bool,
+) -> (Vec<u32>, Vec<u32>) {
+    let (charts, count) = developable::parted_charts(mesh, labels, parts);
     let mut chart_labels = vec![0; count];
     for (&chart, &label) in charts.iter().zip(labels) {
         chart_labels[chart as usize] = label;

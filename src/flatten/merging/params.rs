@@ -106,7 +106,8 @@ pub struct MergeWishes {
     pub apart: Vec<[u32; 2]>,
     /// Pairs of labels that are merged first whatever the limits say, as long as there is a map without flips and crossings.
     pub together: Vec<[u32; 2]>,
-    /// Edges that stay cut; they need not lie between charts.
+    /// Edges that stay cut, also where they part a chart. Those that end inside a chart that does not lie flat with them open are given up
+    /// ([`MergeState::released`](super::MergeState::released)).
     pub kept_edges: Vec<EdgeId>,
     /// What a seam along each edge costs beyond its length, a factor ≥ 0 for each; empty for 1. Dear seams are removed first.
     pub prices: Vec<f64>,

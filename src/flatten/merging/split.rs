@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 use nalgebra::Vector3;
 
 use crate::flatten::small;
-use crate::mesh::{FaceId, Mesh};
+use crate::mesh::{EdgeId, FaceId, HalfedgeId, Mesh};
 
 /// Floods; the border stands still after a few.
 const FLOODS: usize = 8;
@@ -38,7 +38,7 @@ impl PartialOrd for Entry {
     }
 }
 
-/// Two connected halves of a connected chart. None for a chart of one face.
+/// Two connected halves of a chart, both connected otherwise than across edges that `parts` accepts. None for a chart of one face.
 ///
 /// **Minimises**, by turns, Σ A |n − N|² over the halves, N the normalised mean normal of each. **Costs** O(F log F).
 pub fn bisect(
@@ -46,6 +46,7 @@ pub fn bisect(
     normals: &[Vector3<f64>],
     areas: &[f64],
     faces: &[FaceId],
+    parts: impl Fn(EdgeId) -> bool,
 ) -> Option<[Vec<FaceId>; 2]> {
     if faces.len() < 2 {
         return None;
@@ -57,7 +58,8 @@ pub fn bisect(
     let neighbours: Vec<[Option<u32>; 3]> = faces
         .iter()
         .map(|&f| {
-            mesh.face_halfedges(f).map(|h| mesh.face(h.twin()).and_then(|g| local.get(&g).copied()))
+            let across = |h: HalfedgeId| mesh.face(h.twin()).filter(|_| !parts(h.edge()));
+            mesh.face_halfedges(f).map(|h| across(h).and_then(|g| local.get(&g).copied()))
         })
         .collect();
     let normal = |i: usize| normals[faces[i].index()];

@@ -68,6 +68,8 @@ pub struct MergeState {
     pub dart_length: f64,
     /// Charts that were split because they failed.
     pub splits: usize,
+    /// Edges that were to stay cut but end inside a chart that does not lie flat with them open.
+    pub released: usize,
     /// Merges accepted.
     pub merges: usize,
     /// Trials made.

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_6;
 
 use super::small;
 use crate::geometry::Geometry;
-use crate::mesh::{HalfedgeId, Mesh, VertexId};
+use crate::mesh::{EdgeId, HalfedgeId, Mesh, VertexId};
 
 /// No chart yet.
 const NONE: u32 = u32::MAX;
@@ -169,6 +169,15 @@ pub fn seam_curves(mesh: &Mesh, geometry: &Geometry, face_charts: &[u32]) -> Vec
 ///
 /// **Gives** a chart for each face, and their number. **Costs** O(F).
 pub fn connected_charts(mesh: &Mesh, labels: &[u32]) -> (Vec<u32>, usize) {
+    parted_charts(mesh, labels, |_| false)
+}
+
+/// The same, where edges that `parts` accepts connect nothing.
+pub fn parted_charts(
+    mesh: &Mesh,
+    labels: &[u32],
+    parts: impl Fn(EdgeId) -> bool,
+) -> (Vec<u32>, usize) {
     assert_eq!(labels.len(), mesh.face_count());
     let mut charts = vec![NONE; labels.len()];
     let mut count = 0;
@@ -182,7 +191,8 @@ pub fn connected_charts(mesh: &Mesh, labels: &[u32]) -> (Vec<u32>, usize) {
         while let Some(f) = stack.pop() {
             for h in mesh.face_halfedges(f) {
                 let Some(g) = mesh.face(h.twin()) else { continue };
-                if charts[g.index()] == NONE && labels[g.index()] == labels[f.index()] {
+                let is_same = labels[g.index()] == labels[f.index()];
+                if charts[g.index()] == NONE && is_same && !parts(h.edge()) {
                     charts[g.index()] = small(count);
                     stack.push(g);
                 }

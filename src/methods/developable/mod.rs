@@ -13,7 +13,7 @@ mod denoise;
 mod refine;
 mod vsa;
 
-pub use curves::{SeamCurve, SeamMeasure, connected_charts, seam_curves};
+pub use curves::{SeamCurve, SeamMeasure, connected_charts, parted_charts, seam_curves};
 pub use denoise::{DenoiseFlow, DenoiseParams, DenoiseState, chart_normals};
 pub use refine::{RefineCheckpoint, RefineFlow, RefineParams, RefineState};
 pub use vsa::{VsaChart, VsaCheckpoint, VsaFlow, VsaParams, VsaPhase, VsaState, start_faces};

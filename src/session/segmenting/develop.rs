@@ -122,6 +122,14 @@ impl Developable {
         (pair[0] != pair[1]).then_some(pair)
     }
 
+    /// Whether two faces of different pieces come from one: only what was drawn parts them.
+    pub fn is_one_first_piece(&self, faces: [usize; 2]) -> bool {
+        let run = self.run.as_ref().filter(|run| matches!(run.stage, Stage::Merge(_)));
+        run.is_some_and(|run| {
+            !run.plan.drawn.is_empty() && run.charts[faces[0]] == run.charts[faces[1]]
+        })
+    }
+
     /// The opened patches with the very maps that they were accepted with, where merging is over.
     pub fn maps(&self) -> Option<(CutMesh, OpenedMesh, Flattening)> {
         // Maps of a surface with smoothed borders are not true to the surface itself.
@@ -159,6 +167,7 @@ impl Segmentation for Developable {
         let is_merge = run.plan.merge != plan.merge;
         let is_wish = run.hands != self.hands
             || run.plan.kept != plan.kept
+            || run.plan.drawn != plan.drawn
             || run.plan.symmetry != plan.symmetry;
         if let Stage::Merge(flow) = &mut run.stage {
             if is_merge {
@@ -173,7 +182,7 @@ impl Segmentation for Developable {
                 }
             }
             if is_wish {
-                let wishes = wishes(&plan, &self.hands, &run.mesh, &run.charts);
+                let wishes = wishes(&plan, &self.hands, (&run.mesh, &run.geometry), &run.charts);
                 flow.set_wishes(wishes).map_err(wrong)?;
             }
         }
@@ -299,6 +308,9 @@ impl Segmentation for Developable {
             notes.push(format!(
                 "First pieces were divided {times} more before merging, so that each lies flat."
             ));
+        }
+        if state.released > 0 {
+            notes.push("A drawn seam ends inside a piece that does not lie flat with it open: it was left out there. Draw on to the next seam.".to_owned());
         }
         let bent = state.patches.iter().filter(|patch| !patch.is_flat).count();
         if bent > 0 {

@@ -82,12 +82,28 @@ impl Session {
             Some([face(patches[0])?, face(patches[1])?])
         });
         let Some(faces) = faces.filter(|_| patches[0] != patches[1]) else {
+            let count = layout.map_or(0, |layout| layout.opened.patch_count);
+            let missing = patches.into_iter().find(|&patch| patch >= count);
+            let what = match missing {
+                _ if count < 2 => "There are no two pieces to sew.".to_owned(),
+                Some(patch) => {
+                    format!("There is no piece {}: there are {count}.", patch.saturating_add(1))
+                }
+                None => format!("Piece {} cannot be sewn to itself.", patches[0] + 1),
+            };
             return Err(Problem::new(
-                "There are no two pieces to sew.",
+                what,
                 "Join or keep apart.",
-                "Choose two pieces of developable patches.",
+                "Choose two pieces of developable patches; the table of pieces has the numbers of all, and lights up the one that is pointed at.",
             ));
         };
+        if work.develop.is_one_first_piece(faces) {
+            return Err(Problem::new(
+                "These pieces are parted by a seam that was drawn.",
+                "Join or keep apart.",
+                "Erase the drawn seam between them to join them.",
+            ));
+        }
         if work.develop.first_pieces(faces).is_none() {
             return Err(Problem::new(
                 "These pieces cannot be sewn yet.",

@@ -11,8 +11,8 @@ use super::Inputs;
 use crate::flatten::merging::{
     AreaMeasure, ChartGate, MergeFlow, MergeParams, MergeStrategy, MergeWishes,
 };
-use crate::geometry::Geometry;
-use crate::mesh::{EdgeId, Mesh};
+use crate::geometry::{Geometry, centre_lines};
+use crate::mesh::{EdgeId, Mesh, VertexId};
 use crate::methods::developable::{
     DenoiseFlow, DenoiseParams, RefineFlow, RefineParams, VsaFlow, VsaParams,
 };
@@ -23,6 +23,9 @@ const SLACK: f64 = 1.2;
 
 /// Paint from which a place counts as painted.
 const PAINTED: f64 = 0.5;
+
+/// Mean edges from which a drawn seam goes on to a border: a bridge that narrow would tear.
+const REACH: f64 = 3.0;
 
 /// What a person asks for, by the numbers of first pieces.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,6 +44,8 @@ pub(super) struct Plan {
     /// What an edge costs beyond its length; empty for nothing.
     pub factors: Rc<Vec<f64>>,
     pub kept: Rc<Vec<EdgeId>>,
+    /// Paint along which seams are made.
+    pub drawn: Rc<Vec<f64>>,
     /// What merging keeps.
     pub symmetry: Rc<KeptByPatches>,
 }
@@ -190,7 +195,8 @@ impl Run {
             Stage::Smooth(DenoiseFlow::new(mesh, &geometry, &self.charts, params)?)
         } else {
             let on = self.merged_on.clone();
-            let wishes = wishes(&self.plan, &self.hands, &self.mesh, &self.charts);
+            let wishes =
+                wishes(&self.plan, &self.hands, (&self.mesh, &self.geometry), &self.charts);
             let flow = MergeFlow::new(mesh, on, &self.charts, self.plan.merge, wishes)?;
             Stage::Merge(Box::new(flow))
         };
@@ -203,6 +209,7 @@ pub(super) fn keeps_charts(old: &Plan, new: &Plan) -> bool {
     let only_charts = |plan: &Plan| Plan {
         merge: MergeParams::default(),
         kept: Rc::default(),
+        drawn: Rc::default(),
         symmetry: Rc::default(),
         ..plan.clone()
     };
@@ -210,16 +217,33 @@ pub(super) fn keeps_charts(old: &Plan, new: &Plan) -> bool {
 }
 
 /// What merging of some charts is asked for beside the limits.
-pub(super) fn wishes(plan: &Plan, hands: &Hands, mesh: &Mesh, charts: &[u32]) -> MergeWishes {
-    // Paint keeps seams where they are; it makes none.
+pub(super) fn wishes(
+    plan: &Plan,
+    hands: &Hands,
+    (mesh, geometry): (&Mesh, &Geometry),
+    charts: &[u32],
+) -> MergeWishes {
     let kept = plan.kept.iter().copied().filter(|&e| parts(mesh, charts, e));
+    let drawn = drawn_seams(&plan.drawn, (mesh, geometry), charts);
     MergeWishes {
         apart: hands.apart.clone(),
         together: hands.together.clone(),
-        kept_edges: kept.collect(),
+        kept_edges: kept.chain(drawn).collect(),
         prices: plan.factors.to_vec(),
         symmetry: (!plan.symmetry.ids.is_empty()).then(|| plan.symmetry.vertices.clone()),
     }
+}
+
+/// The edges along which seams are drawn: the middle of what is painted, on to a border that is as good as reached.
+fn drawn_seams(paint: &[f64], (mesh, geometry): (&Mesh, &Geometry), charts: &[u32]) -> Vec<EdgeId> {
+    if paint.is_empty() {
+        return Vec::new();
+    }
+    let is_painted: Vec<bool> = paint.iter().map(|&amount| amount >= PAINTED).collect();
+    let is_border = |v: VertexId| {
+        mesh.is_boundary_vertex(v) || mesh.outgoing(v).any(|h| parts(mesh, charts, h.edge()))
+    };
+    centre_lines(mesh, geometry, &is_painted, is_border, REACH * geometry.mean_edge_length())
 }
 
 /// What parameters and paint ask for.
@@ -261,6 +285,7 @@ pub(super) fn plan(inputs: &Inputs) -> Plan {
         },
         factors: Rc::new(factors),
         kept: Rc::new(kept),
+        drawn: layers.drawn.clone(),
         symmetry: layers.patch_symmetry.clone(),
     }
 }

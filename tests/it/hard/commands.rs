@@ -219,7 +219,7 @@ impl Dice {
                     _ => self.below(4) as f64,
                 };
                 Command::Paint {
-                    channel: self.word(&[&CHANNELS[..], &["seam_paint"]].concat()),
+                    channel: self.word(&[&CHANNELS[..], &["seam_paint", "drawn_seam"]].concat()),
                     face: self.face(session),
                     place: self.place(),
                     radius: if self.once_in(8) { self.number() } else { 0.6 * self.part() },
