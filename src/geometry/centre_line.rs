@@ -388,7 +388,7 @@ impl<'a> Band<'a> {
         let mut distances = vec![f64::INFINITY; self.mesh.vertex_count()];
         let mut queue = BinaryHeap::new();
         for (i, line) in (0u32..).zip(lines) {
-            for &v in line.iter().skip(1).take(line.len().saturating_sub(2)) {
+            for &v in &line[1..line.len() - 1] {
                 distances[v as usize] = 0.0;
                 nearest[v as usize] = i;
                 queue.push(Reverse((0u64, VertexId(v))));

@@ -63,8 +63,8 @@ impl Triangle {
         }
         let radius = (g[0] * g[1] * g[2] / s).sqrt();
         let inverse = 1.0 / radius;
-        let tangents = g.map(|g| radius / g);
         // All three by themselves: the rest of π, whose f64 is too small, would make sums of thousands drift.
+        let tangents = g.map(|g| radius / g);
         // (1 − t²) / 2t, with 1/t at hand: divisions are what this costs.
         let cotangents = [0, 1, 2].map(|i| 0.5 * (g[i] * inverse - tangents[i]));
         // No sorting: sides of one length have one angle.

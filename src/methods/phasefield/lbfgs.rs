@@ -4,7 +4,7 @@ use super::domain::Domain;
 use super::objective::{Evaluation, Objective};
 use crate::linalg::{LinalgError, add, dot, sums};
 
-/// Pairs kept: each costs four passes over two vectors in every iteration, about half a product of matrix and vector.
+/// Pairs kept: each costs four passes over two vectors in every iteration.
 const PAIRS: usize = 7;
 
 /// Evaluations of one search.
