@@ -8,7 +8,7 @@
 //! Guaranteed: rectangles do not overlap and keep the gap; the same input gives the same bits. Not guaranteed: a smallest
 //! sheet; nesting of outlines.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Point2, Rotation2, Vector2};
 
@@ -72,6 +72,10 @@ pub struct Rectangle {
 const KEEP_ANGLE: f64 = 1.05;
 /// Beyond that it turns towards the smallest rectangle by at most this angle (4°) a layout: slow enough to follow with the eye.
 const TURN: f64 = 0.07;
+/// Sizes are alike within this share: less decides nothing, since rounding would decide.
+const ALIKE: f64 = 1e-3;
+/// Where the first landmark goes if nothing else decides: askew, so that symmetric charts have it clearly nearer one way.
+const TOWARDS: [f64; 2] = [0.94, 0.34];
 /// A layout is kept while its sheet is at most this much longer than a fresh one's. Less, and charts change places often
 /// while a cut moves; more, and they shrink on the screen.
 const KEEP_LAYOUT: f64 = 1.2;
@@ -101,7 +105,7 @@ pub fn pack(shapes: &[Shape], gap: f64, previous: Option<&Packing>) -> Packing {
         let last = previous
             .zip(ancestors[i])
             .and_then(|(previous, _)| last_angle(shape, i, &ancestors, previous));
-        poses[i].angle = choose_angle(&hull, last);
+        poses[i].angle = choose_angle(shape, &hull, last);
         let (low, high) = bounds(&hull, poses[i].angle);
         (lows[i], sizes[i]) = (low, high - low);
     }
@@ -198,33 +202,47 @@ fn last_angle(
 }
 
 /// The angle to place a hull at, given the one that it had.
-fn choose_angle(hull: &[Point2<f64>], last: Option<f64>) -> f64 {
-    let smallest = smallest_rectangle(hull);
-    let area = |angle: f64| {
-        let (low, high) = bounds(hull, angle);
-        (high - low).product()
-    };
-    match last {
-        Some(last) if area(last) <= KEEP_ANGLE * area(smallest) => last,
-        Some(last) => {
-            let quarters = ((smallest - last) / FRAC_PI_2).round();
-            last + (smallest - last - quarters * FRAC_PI_2).clamp(-TURN, TURN)
-        }
-        None => {
-            // Lying, with the heavier half down.
-            let (low, high) = bounds(hull, smallest);
-            let lying = if high.y - low.y > (high.x - low.x) * (1.0 + 1e-9) {
-                smallest + FRAC_PI_2
-            } else {
-                smallest
-            };
-            let (low, high) = bounds(hull, lying);
-            let turn = Rotation2::new(lying);
-            let mean = hull.iter().map(|p| (turn * p).y).sum::<f64>() / hull.len() as f64;
-            let top_heavy = mean > 0.5 * (low.y + high.y) + 1e-9 * (high.y - low.y);
-            if top_heavy { lying + PI } else { lying }
-        }
+fn choose_angle(shape: &Shape, hull: &[Point2<f64>], last: Option<f64>) -> f64 {
+    let along_sides = rectangles(hull);
+    let smallest = |r: &&Along, s: &&Along| r.size.product().total_cmp(&s.size.product());
+    let Some(smallest) = along_sides.iter().min_by(smallest) else { return last.unwrap_or(0.0) };
+    let limit = smallest.size.product() * (1.0 + ALIKE);
+    let as_small = along_sides.iter().filter(|along| along.size.product() <= limit);
+    let Some(last) = last else { return fresh_angle(shape, hull, as_small) };
+    let (low, high) = bounds(hull, last);
+    if (high - low).product() <= KEEP_ANGLE * smallest.size.product() {
+        return last;
     }
+    let away = |along: &Along| {
+        let away = along.angle - last;
+        away - (away / FRAC_PI_2).round() * FRAC_PI_2
+    };
+    // Of two that are as near, the one counter-clockwise.
+    let effort = |turn: &f64| turn.abs() + if *turn < 0.0 { ALIKE } else { 0.0 };
+    let nearest = as_small.map(away).min_by(|a, b| effort(a).total_cmp(&effort(b)));
+    last + nearest.unwrap_or(0.0).clamp(-TURN, TURN)
+}
+
+/// In a rectangle as good as the smallest, lying, with the heavier half down; of several such angles the one that turns the first
+/// landmark nearest to [`TOWARDS`]. A symmetric chart lies the same way whatever its last digits are.
+fn fresh_angle<'a>(
+    shape: &Shape,
+    hull: &[Point2<f64>],
+    as_small: impl Iterator<Item = &'a Along>,
+) -> f64 {
+    let centre = centroid(hull);
+    let reach = hull.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+    let arm = shape.landmarks.iter().map(|(_, p)| p - centre).find(|arm| arm.norm() > 0.5 * reach);
+    let angles = as_small
+        .flat_map(|along| (0..4).map(|quarter| along.turned(quarter)))
+        .filter(|along| along.size.y <= along.size.x * (1.0 + ALIKE))
+        .filter(|along| along.lean.y <= along.size.y * ALIKE)
+        .map(|along| along.angle);
+    let off = |angle: f64| match arm {
+        Some(arm) => -(Rotation2::new(angle) * arm).dot(&Vector2::from(TOWARDS)),
+        None => 0.0,
+    };
+    angles.min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0.0)
 }
 
 /// Lower left and upper right corner of a hull after a rotation.
@@ -262,18 +280,39 @@ pub(crate) fn convex_hull(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
     hull
 }
 
-/// The rotation, in (−π, π], that gives a hull its bounding rectangle of smallest area; of several the first.
-///
-/// One side of that rectangle lies along a side of the hull; four calipers go round once.
-fn smallest_rectangle(hull: &[Point2<f64>]) -> f64 {
+/// A bounding rectangle with a side along a side of the hull.
+struct Along {
+    /// Turns that side to the right.
+    angle: f64,
+    /// Width and height after that turn.
+    size: Vector2<f64>,
+    /// From the middle of the rectangle to the hull's centroid.
+    lean: Vector2<f64>,
+}
+
+impl Along {
+    /// The same after so many quarters of a turn more.
+    fn turned(&self, quarters: u8) -> Self {
+        let turn = |along: Self| Self {
+            angle: along.angle + FRAC_PI_2,
+            size: along.size.yx(),
+            lean: turned(along.lean),
+        };
+        let own = Self { angle: self.angle, size: self.size, lean: self.lean };
+        (0..quarters).fold(own, |along, _| turn(along))
+    }
+}
+
+/// The bounding rectangles along all sides of a hull, the smallest of all among them: four calipers go round once.
+fn rectangles(hull: &[Point2<f64>]) -> Vec<Along> {
     let n = hull.len();
     if n < 2 {
-        return 0.0;
+        return Vec::new();
     }
+    let centre = centroid(hull);
     let side = |i: usize| hull[(i + 1) % n] - hull[i % n];
     let (mut right, mut top, mut left) = (1, 1, 1);
-    let mut best = (f64::INFINITY, 0.0);
-    for i in 0..n {
+    let around = |i: usize| {
         let along = side(i).normalize();
         let up = turned(along);
         // Each caliper moves on while the hull still goes its way.
@@ -290,12 +329,25 @@ fn smallest_rectangle(hull: &[Point2<f64>]) -> f64 {
             left += 1;
         }
         let at = |j: usize| hull[j % n] - hull[i];
-        let area = (at(right).dot(&along) - at(left).dot(&along)) * at(top).dot(&up);
-        if area < best.0 * (1.0 - 1e-12) {
-            best = (area, -along.y.atan2(along.x));
-        }
-    }
-    best.1
+        let (left, right) = (at(left).dot(&along), at(right).dot(&along));
+        let size = Vector2::new(right - left, at(top).dot(&up));
+        let own = centre - hull[i];
+        let lean =
+            Vector2::new(own.dot(&along) - 0.5 * (left + right), own.dot(&up) - 0.5 * size.y);
+        Along { angle: -along.y.atan2(along.x), size, lean }
+    };
+    (0..n).map(around).collect()
+}
+
+/// Centroid of a hull's area; the mean of its corners where it has none.
+fn centroid(hull: &[Point2<f64>]) -> Point2<f64> {
+    let Some(&first) = hull.first() else { return Point2::origin() };
+    let mean = hull.iter().map(|p| p - first).sum::<Vector2<f64>>() / hull.len() as f64;
+    let fan = hull.windows(2).map(|pair| (pair[0] - first, pair[1] - first));
+    let (area, moment) = fan.fold((0.0, Vector2::zeros()), |(area, moment), (p, q)| {
+        (area + p.perp(&q), moment + (p + q) * (p.perp(&q) / 3.0))
+    });
+    first + if area > 0.0 { moment / area } else { mean }
 }
 
 /// Upper right corner of all tiles.
@@ -310,22 +362,24 @@ fn extent(corners: &[Point2<f64>], tiles: &[Vector2<f64>]) -> Vector2<f64> {
 fn skyline(tiles: &[Vector2<f64>]) -> Vec<Point2<f64>> {
     let mut order: Vec<usize> = (0..tiles.len()).collect();
     order.sort_by(|&a, &b| tiles[b].product().total_cmp(&tiles[a].product()));
+    let is_alike = |&a: &usize, &b: &usize| tiles[b].product() > (1.0 - ALIKE) * tiles[a].product();
+    order.chunk_by_mut(is_alike).for_each(<[usize]>::sort_unstable);
     let area: f64 = tiles.iter().map(|t| t.product()).sum();
     let widest = tiles.iter().fold(0.0, |m: f64, t| m.max(t.x));
     let mut best = (f64::INFINITY, Vec::new());
     for step in 0..12 {
         // From a sheet without waste to one half wasted.
         let width = widest.max((area * (1.0 + f64::from(step) / 12.0)).sqrt());
-        let corners = skyline_of_width(tiles, &order, width * (1.0 + 1e-12));
+        let corners = skyline_of_width(tiles, &order, width * (1.0 + 1e-9));
         let side = extent(&corners, tiles).max();
-        if side < best.0 * (1.0 - 1e-12) {
+        if side < best.0 * (1.0 - ALIKE) {
             best = (side, corners);
         }
     }
     best.1
 }
 
-/// Each tile as low as possible, then as far left as possible, upon those before it.
+/// Each tile as low as possible, then as far left as possible, upon those before it; what is hardly lower is not lower.
 fn skyline_of_width(tiles: &[Vector2<f64>], order: &[usize], width: f64) -> Vec<Point2<f64>> {
     let mut corners = vec![Point2::origin(); tiles.len()];
     // Where each level begins, and its height.
@@ -340,7 +394,7 @@ fn skyline_of_width(tiles: &[Vector2<f64>], order: &[usize], width: f64) -> Vec<
             }
             let below = line[i..].iter().take_while(|l| l.x < end);
             let y = below.fold(0.0, |m: f64, l| m.max(l.y));
-            if y < best.y {
+            if y < best.y - ALIKE * size.y {
                 best = Point2::new(level.x, y);
             }
         }

@@ -380,7 +380,8 @@ impl Layout {
 
     /// Length of all cuts, each counted once.
     pub fn cut_length(&self) -> f64 {
-        length_of(&self.cut.cut_edges, &self.points)
+        // The sum of nothing is −0.
+        length_of(&self.cut.cut_edges, &self.points) + 0.0
     }
 
     /// Area of each patch.

@@ -326,6 +326,7 @@ const IDS: &[&str] = &[
     "choose_by",
     "lambda",
     "cone_count",
+    "exact_count",
     "angle_target",
     "distortion_target",
     "bounds",

@@ -1,4 +1,4 @@
-//! Flattening: isometry where it is possible, convergence where it is not, counts that are exact, layouts that stand still.
+//! Flattening: isometry where it is possible, convergence where it is not, counts that are exact.
 
 #![allow(clippy::unwrap_used, reason = "tests, helpers included")]
 #![allow(clippy::cast_possible_truncation, reason = "small meshes")]
@@ -8,9 +8,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use cutflow::flatten::overlap::crossings;
-use cutflow::flatten::{
-    Flattening, Measures, NoChart, Packing, Shape, bff, bff_with, measure, measures, pack,
-};
+use cutflow::flatten::{Flattening, Measures, NoChart, Packing, bff, bff_with, measure, measures};
 use cutflow::geometry::{Geometry, angle_defects};
 use cutflow::linalg::{Analysis, Factor, Pattern};
 use cutflow::mesh::{CutMesh, EdgeId, FaceId, Mesh, OpenedMesh, SurfacePoint, VertexId};
@@ -583,132 +581,6 @@ fn crossings_of_outlines_are_counted_exactly() {
     let found = crossings(&[&square(0.0), &shifted]);
     assert_eq!(found.len(), 2);
     assert!(found.iter().all(|[s, t]| (s.outline, t.outline) == (0, 1)));
-}
-
-/// Ellipses and wedges of many sizes, each turned somehow.
-fn shapes(count: u32, time: f64) -> Vec<Vec<Point2<f64>>> {
-    (0..count)
-        .map(|i| {
-            let f = f64::from(i);
-            let size = 0.05 + 0.4 * (f * 0.37).sin().powi(2) + 0.02 * (time + f).sin();
-            let flatness = 0.3 + 0.6 * (f * 0.71).cos().powi(2);
-            (0..40)
-                .map(|k| {
-                    let t = TAU * f64::from(k) / 40.0;
-                    let p = Vector2::new(
-                        size * t.cos(),
-                        size * flatness * t.sin() * (1.0 + 0.3 * t.cos()),
-                    );
-                    Point2::from(nalgebra::Rotation2::new(f + 0.3 * time) * p)
-                })
-                .collect()
-        })
-        .collect()
-}
-
-fn pack_outlines(outlines: &[Vec<Point2<f64>>], previous: Option<&Packing>) -> Packing {
-    // Outline points double as landmarks here; in a flow those are the surface's own vertices.
-    let landmarks: Vec<Vec<(u32, Point2<f64>)>> = outlines
-        .iter()
-        .enumerate()
-        .map(|(i, o)| (0u32..).zip(o).map(|(k, &p)| (1000 * i as u32 + k, p)).collect())
-        .collect();
-    let shapes: Vec<Shape> = outlines
-        .iter()
-        .zip(&landmarks)
-        .map(|(outline, landmarks)| Shape { outline, landmarks })
-        .collect();
-    pack(&shapes, 0.02, previous)
-}
-
-fn assert_lies_on_sheet(outlines: &[Vec<Point2<f64>>], packing: &Packing) {
-    let tolerance = 1e-12;
-    for (i, outline) in outlines.iter().enumerate() {
-        let own = packing.boxes[i];
-        let high = own.low + own.size;
-        assert!(own.low.x >= -tolerance && own.low.y >= -tolerance);
-        assert!(high.x <= packing.sheet.x + tolerance && high.y <= packing.sheet.y + tolerance);
-        for &p in outline {
-            let p = packing.poses[i].apply(p);
-            assert!(p.x >= own.low.x - tolerance && p.x <= high.x + tolerance);
-            assert!(p.y >= own.low.y - tolerance && p.y <= high.y + tolerance);
-        }
-        for other in &packing.boxes[..i] {
-            let apart = |axis: usize| {
-                let gap = (own.low[axis] - other.low[axis] - other.size[axis])
-                    .max(other.low[axis] - own.low[axis] - own.size[axis]);
-                gap >= 0.02 - tolerance
-            };
-            assert!(apart(0) || apart(1), "boxes overlap");
-        }
-    }
-}
-
-#[test]
-fn packed_charts_keep_their_gap_and_fill_a_squarish_sheet() {
-    for count in [1, 2, 3, 7, 30, 200] {
-        let outlines = shapes(count, 0.0);
-        let packing = pack_outlines(&outlines, None);
-        assert_lies_on_sheet(&outlines, &packing);
-        assert_eq!(packing, pack_outlines(&outlines, None), "deterministic");
-        let boxes: f64 = packing.boxes.iter().map(|b| b.size.product()).sum();
-        let side = packing.sheet.max();
-        if count >= 7 {
-            assert!(boxes / (side * side) > 0.6, "{count}: {}", boxes / (side * side));
-        }
-    }
-}
-
-#[test]
-fn the_smallest_rectangle_is_found_whatever_the_direction() {
-    let mut outline: Vec<Point2<f64>> = Vec::new();
-    for k in 0..50 {
-        let t = TAU * f64::from(k) / 50.0;
-        outline.push(Point2::new(3.0 * t.cos().powi(3), t.sin()));
-    }
-    outline.extend([[3.0, 1.0], [3.0, -1.0], [-3.0, -1.0], [-3.0, 1.0]].map(Point2::from));
-    for k in 0..40 {
-        let turned: Vec<Point2<f64>> = outline
-            .iter()
-            .map(|p| nalgebra::Rotation2::new(0.1 + f64::from(k) * 0.17) * p)
-            .collect();
-        let packing = pack_outlines(&[turned], None);
-        assert!((packing.sheet - Vector2::new(6.0, 2.0)).norm() < 1e-12, "{}", packing.sheet);
-    }
-}
-
-#[test]
-fn charts_do_not_jump_while_they_change() {
-    let mut previous: Option<(Packing, Vec<Vec<Point2<f64>>>)> = None;
-    let mut jumps = 0;
-    for frame in 0..120 {
-        let outlines = shapes(25, 0.05 * f64::from(frame));
-        let packing = pack_outlines(&outlines, previous.as_ref().map(|(packing, _)| packing));
-        assert_lies_on_sheet(&outlines, &packing);
-        if let Some((last, last_outlines)) = &previous {
-            let moved = (0..25)
-                .flat_map(|i| outlines[i].iter().zip(&last_outlines[i]).map(move |pair| (i, pair)))
-                .map(|(i, (p, q))| (packing.poses[i].apply(*p) - last.poses[i].apply(*q)).norm())
-                .fold(0.0, f64::max);
-            // Shapes change by 0.001 a frame and turn by 0.015; neighbours add up, and a turn is at most 4°.
-            jumps += usize::from(moved > 0.1);
-        }
-        previous = Some((packing, outlines));
-    }
-    assert!(jumps <= 1, "{jumps} jumps in 120 frames");
-    // The same charts again: nothing moves at all.
-    let (packing, outlines) = previous.unwrap();
-    let again = pack_outlines(&outlines, Some(&packing));
-    for (a, b) in packing.poses.iter().zip(&again.poses) {
-        assert!((a.shift - b.shift).norm() < 1e-12 && (a.angle - b.angle).abs() < 1e-9);
-    }
-    // One chart less and one more: the others stay near.
-    let mut fewer = outlines.clone();
-    fewer.remove(24);
-    let fewer = pack_outlines(&fewer, Some(&packing));
-    for i in 0..24 {
-        assert!((packing.boxes[i].low - fewer.boxes[i].low).norm() < 0.5);
-    }
 }
 
 #[test]

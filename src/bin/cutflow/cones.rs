@@ -42,11 +42,14 @@ pub struct ConesArgs {
     /// The smallest price that leads to at most so many cones.
     #[arg(long, value_name = "N", conflicts_with = "lambda")]
     count: Option<f64>,
+    /// Exactly so many cones, where local search finds that they do most.
+    #[arg(long, value_name = "N", conflicts_with_all = ["lambda", "count"])]
+    exactly: Option<f64>,
     /// The price that leads to this total angle, in units of π.
-    #[arg(long, value_name = "PI", conflicts_with_all = ["lambda", "count"])]
+    #[arg(long, value_name = "PI", conflicts_with_all = ["lambda", "count", "exactly"])]
     total_angle: Option<f64>,
     /// The largest price that leads to at most this ∫u².
-    #[arg(long, value_name = "E", conflicts_with_all = ["lambda", "count", "total_angle"])]
+    #[arg(long, value_name = "E", conflicts_with_all = ["lambda", "count", "exactly", "total_angle"])]
     distortion: Option<f64>,
     /// Smallest and largest angle of a cone, radians: 0,inf for positive cones only. `pi` may follow a number.
     #[arg(long, value_name = "LO,HI", value_delimiter = ',', allow_hyphen_values = true)]
@@ -114,6 +117,7 @@ fn settings(args: &ConesArgs, document: &Document) -> Result<Settings, Problem> 
     }
     for (id, target, value) in [
         ("count", "cone_count", args.count),
+        ("exactly", "exact_count", args.exactly),
         ("angle", "angle_target", args.total_angle),
         ("distortion", "distortion_target", args.distortion),
     ] {
@@ -246,7 +250,9 @@ pub fn run(args: &ConesArgs) -> Result<(), Problem> {
         drive(&mut session)?;
     }
     let mut report = session.cones_report(Some(seconds))?;
-    report.lambda_max = session.find_lambda_max()?;
+    if report.status != PLACED {
+        report.lambda_max = session.find_lambda_max()?;
+    }
     if !is_quiet {
         print(&report);
     }
@@ -278,23 +284,26 @@ fn drive(session: &mut Session) -> Result<(), Problem> {
     Ok(())
 }
 
+/// Status of an exact number of cones: no price led to them.
+const PLACED: &str = "placed";
+
 fn print(report: &ConesReport) {
-    say!(
-        "{} after {} rounds ({} factorisations, {} solves): λ {:.6} of {:.6}",
-        report.status,
-        report.rounds,
-        report.factorisations,
-        report.solves,
-        report.lambda,
-        report.lambda_max
+    let effort = format!(
+        "{} after {} rounds ({} factorisations, {} solves)",
+        report.status, report.rounds, report.factorisations, report.solves
     );
-    say!(
-        "{} cones, total angle {:.6} π, ∫u² {:.9}, residual {:.1e}",
-        report.cones.len(),
-        report.total_angle_over_pi,
-        report.int_u2,
-        report.kkt_residual
-    );
+    if report.status == PLACED {
+        say!("{effort}");
+    } else {
+        say!("{effort}: λ {:.6} of {:.6}", report.lambda, report.lambda_max);
+        say!(
+            "{} cones, total angle {:.6} π, ∫u² {:.9}, residual {:.1e}",
+            report.cones.len(),
+            report.total_angle_over_pi,
+            report.int_u2,
+            report.kkt_residual
+        );
+    }
     let used = &report.rounded;
     say!(
         "used: {} cones, total angle {:.6} π, ∫u² {:.9}, seams {:.4}",

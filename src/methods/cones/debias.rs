@@ -19,13 +19,13 @@ use crate::methods::flow::SolveError;
 
 /// Largest angle that is given to a cone inside, radians: a quarter turn is left about it. Without this limit one of the four cones of rocker
 /// arm at λ = .05 goes to 2π, which is a spike that no chart can hold, for 2 % less distortion.
-const MOST: f64 = 1.5 * PI;
+pub(super) const MOST: f64 = 1.5 * PI;
 
 /// Rounds of the dense problem; the second one takes away what rounding left, further ones nothing.
 const ROUNDS: usize = 3;
 
 /// Rounding of φ, over its largest value.
-const TOLERANCE: f64 = 1e-12;
+pub(super) const TOLERANCE: f64 = 1e-12;
 
 /// The angles at the places of some cones that distort least, within the flow's bounds and (−2π, 3π/2), (−2π, π) at corners.
 ///

@@ -48,6 +48,43 @@ impl Dictionary {
         self.places[i as usize] as usize
     }
 
+    /// Row `i` of G times angles at some members.
+    pub fn product(&self, i: u32, members: &[u32], angles: &[f64]) -> f64 {
+        let row = &self.gram[self.place(i)];
+        members.iter().zip(angles).map(|(&j, angle)| row[self.place(j)] * angle).sum()
+    }
+
+    /// The diagonal of the inverse of G between some members, floating components held by 1 1ᵀ; infinite where rounding cannot tell a
+    /// member from the others.
+    pub fn inverse_diagonal(&self, problem: &Problem, members: &[u32]) -> Vec<f64> {
+        let part = |i: u32| problem.system.component_of[i as usize];
+        let entry = |i: u32, j: u32| {
+            let is_held =
+                part(i) == part(j) && problem.system.components[part(i) as usize].is_floating;
+            let own = self.entry(self.place(i), self.place(i));
+            self.entry(self.place(i), self.place(j)) + if is_held { own } else { 0.0 }
+        };
+        let mut factor = DenseCholesky::new();
+        let mut order: Vec<u32> = Vec::new();
+        for &i in members {
+            order.push(i);
+            let row: Vec<f64> = order.iter().map(|&j| entry(j, i)).collect();
+            if !factor.push(&row) {
+                order.pop();
+            }
+        }
+        let mut found = vec![f64::INFINITY; members.len()];
+        for (at, i) in order.iter().enumerate() {
+            let mut unit = vec![0.0; order.len()];
+            unit[at] = 1.0;
+            factor.solve(&mut unit);
+            if let Ok(k) = members.binary_search(i) {
+                found[k] = unit[at];
+            }
+        }
+        found
+    }
+
     /// Which of these have no column yet.
     pub fn missing(&self, dofs: &[u32]) -> Vec<u32> {
         dofs.iter().copied().filter(|&i| self.places[i as usize] == NONE).collect()

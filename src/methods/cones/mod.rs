@@ -29,6 +29,7 @@ mod greens;
 mod newton;
 mod params;
 mod path;
+mod places;
 mod problem;
 mod rounding;
 mod rounds;
@@ -46,5 +47,6 @@ pub use params::{
     LEAST_WEIGHT,
 };
 pub use path::{ConePath, PathPoint};
+pub use places::Places;
 pub use rounding::{RoundParams, Rounded, round_clusters};
 pub use weights::feature_size_weights;

@@ -210,6 +210,9 @@ impl Session {
                 ("running", format!("Running step {rounds}: making charts"))
             }
             _ if cones.is_stale => ("paused", format!("Paused at step {rounds}")),
+            _ if cones.is_placed() => {
+                ("converged", format!("Converged after {}", plural(rounds, "step")))
+            }
             Some(Status::Infeasible) => (
                 "stalled",
                 format!("Converged after {}: the target cannot be reached", plural(rounds, "step")),
@@ -359,6 +362,7 @@ impl Work {
         let Some(set) = &self.cones.set else { return Err(nothing_open()) };
         let label = match self.cones.edits.changed {
             Some(_) => "By hand",
+            None if self.cones.is_placed() => "Best places",
             None => "Optimal",
         };
         let mut rows = vec![measures::row(label.into(), set)];

@@ -100,7 +100,7 @@ impl Session {
             }
             let now = work.used_cones();
             let kind = match now[cone].kind {
-                ConeKind::Optimal | ConeKind::Merged => ConeKind::Moved,
+                ConeKind::Optimal | ConeKind::Merged | ConeKind::Placed => ConeKind::Moved,
                 kind => kind,
             };
             let edit = ConeEdit::Move { from, to: vertex };

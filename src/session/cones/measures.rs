@@ -6,7 +6,9 @@ use super::edits::Edits;
 use super::table::ConeComparisonRow;
 use super::{ConeKind, ConeSet, UsedCone};
 use crate::mesh::VertexId;
-use crate::methods::cones::{Cone, ConeFlow, RoundParams, debias, greedy_cones, round_clusters};
+use crate::methods::cones::{
+    Cone, ConeFlow, Places, RoundParams, debias, greedy_cones, round_clusters,
+};
 use crate::methods::flow::{Flow, SolveError, Status};
 
 /// More cones than that are merged and refitted only once the solution has been reached.
@@ -74,6 +76,48 @@ pub fn of_optimum(
     let difference = norm(&|v| set.u[v] - best_u[v]);
     set.change = Some(difference / norm(&|v| best_u[v]).max(f64::MIN_POSITIVE));
     Ok(set)
+}
+
+/// The search for the places of so many cones, begun with the merged cones of the optimum; without it, or where it is the curvature of every vertex,
+/// with some far from one another.
+pub fn places(
+    flow: &mut ConeFlow,
+    count: usize,
+    edits: &Edits,
+    surface: &Surface,
+) -> Result<Places, SolveError> {
+    let by_hand = |is_fixed: bool| -> Vec<VertexId> {
+        let placed = edits.placed.iter().filter(|placed| placed.angle.is_some() == is_fixed);
+        placed.map(|placed| placed.vertex).collect()
+    };
+    let (free, fixed) = (by_hand(false), by_hand(true));
+    if flow.status() == Status::Running || flow.state().is_convex {
+        return Places::new(flow, &[], &free, &fixed, count);
+    }
+    let (mine, others): (Vec<Cone>, Vec<Cone>) =
+        flow.state().cones.iter().partition(|cone| edits.placed_at(cone.vertex).is_some());
+    let params = RoundParams { bounds: flow.params().bounds, ..RoundParams::default() };
+    let merged = round_clusters(&surface.mesh, &surface.geometry, &others, &params).cones;
+    Places::new(flow, &[mine, merged].concat(), &free, &fixed, count)
+}
+
+/// An exact number of cones, where they do most.
+pub fn of_places(
+    flow: &mut ConeFlow,
+    places: &Places,
+    edits: &Edits,
+) -> Result<ConeSet, SolveError> {
+    let kind = |vertex| match edits.kind(vertex, 1) {
+        ConeKind::Optimal => ConeKind::Placed,
+        by_hand => by_hand,
+    };
+    let corners = flow.state().corners.clone();
+    let cones = places.cones(flow).into_iter();
+    let mut used: Vec<UsedCone> =
+        cones.map(|cone| UsedCone { cone, kind: kind(cone.vertex), members: 1 }).collect();
+    used.extend(corners.iter().map(|&cone| UsedCone { cone, kind: ConeKind::Corner, members: 1 }));
+    used.sort_by_key(|used| used.cone.vertex);
+    evaluated(flow, used)
 }
 
 /// No cones: all curvature stays where it is.

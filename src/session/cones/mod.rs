@@ -22,7 +22,9 @@ use super::inputs::Layers;
 use super::params::Settings;
 use super::surface::Surface;
 use super::text::Problem;
-use crate::methods::cones::{Cone, ConeFields, ConeFlow, ConeParams, ConeState, ConeTarget};
+use crate::methods::cones::{
+    Cone, ConeFields, ConeFlow, ConeParams, ConeState, ConeTarget, Places,
+};
 use crate::methods::flow::{Flow, Status};
 
 use edits::{cone_problem, too_large};
@@ -36,6 +38,9 @@ pub use table::{ConeComparisonRow, ConePathPoint, ConeRow, ConeTable};
 
 /// Rounds of a solution whose results are not shown one by one: merging and measuring them takes longer than they do.
 const SHORT: usize = 8;
+
+/// Rounds after which the optimum is not waited for where only a start for an exact number of cones is wanted.
+const LONG: usize = 20;
 
 /// Cones of a document. Nothing is solved before the method is chosen.
 #[derive(Default)]
@@ -65,6 +70,8 @@ pub struct Cones {
     pub pictures: usize,
     /// Rounds of the present solution.
     pub rounds: usize,
+    /// The search for places of an exact number of cones.
+    placing: Option<Places>,
 }
 
 /// Something to be computed beside the solution.
@@ -121,6 +128,8 @@ pub enum ConeKind {
     Optimal,
     /// Stands for several vertices of the optimum.
     Merged,
+    /// Where it does most, of an exact number.
+    Placed,
     /// Put there by hand, with the angle that is best.
     Free,
     /// A corner of the flattened boundary.
@@ -156,6 +165,7 @@ impl Cones {
     pub fn ask_again(&mut self) {
         self.comparison.clear();
         self.wanted = Wanted::Nothing;
+        self.placing = None;
         self.is_stale = true;
         self.is_held = false;
     }
@@ -277,17 +287,45 @@ impl Cones {
         layers: &Layers,
     ) -> Result<bool, Problem> {
         let surface = document.surface()?;
-        let flow = self.prepare(document, settings, layers)?;
-        if flow.status() == Status::Running {
-            flow.step().map_err(|error| cone_problem(surface, &error))?;
-            self.rounds += 1;
+        let is_running = self.prepare(document, settings, layers)?.status() == Status::Running;
+        let exactly = problem::exact_count(settings).filter(|_| self.edits.changed.is_none());
+        match (exactly, &mut self.solver) {
+            // An optimum that takes long is spread over many vertices: it is no start for few cones.
+            (Some(count), _) if !is_running || self.rounds >= LONG => self.place(count, surface)?,
+            (_, Some(solver)) if is_running => {
+                solver.flow.step().map_err(|error| cone_problem(surface, &error))?;
+            }
+            _ => {}
         }
-        self.is_stale = self.status() == Some(Status::Running);
+        self.rounds += usize::from(is_running || exactly.is_some());
+        self.is_stale = match exactly {
+            Some(_) => !self.is_placed(),
+            None => self.status() == Some(Status::Running),
+        };
         // A slider's move takes a few rounds: only their end is shown, until they take long.
         if !self.is_stale || !self.is_solved() || self.rounds > SHORT {
             self.use_cones(surface, settings)?;
         }
         Ok(!self.is_stale)
+    }
+
+    /// One piece of the search for the places of so many cones.
+    fn place(&mut self, count: usize, surface: &Surface) -> Result<(), Problem> {
+        let Some(solver) = &mut self.solver else { return Ok(()) };
+        let wrong = |error| cone_problem(surface, &error);
+        match &mut self.placing {
+            Some(places) => places.step(&mut solver.flow).map_err(wrong),
+            None => {
+                let begun = measures::places(&mut solver.flow, count, &self.edits, surface);
+                self.placing = Some(begun.map_err(wrong)?);
+                Ok(())
+            }
+        }
+    }
+
+    /// Whether the cones are an exact number at the best places found.
+    pub fn is_placed(&self) -> bool {
+        self.placing.as_ref().is_some_and(Places::is_done) && self.edits.changed.is_none()
     }
 
     /// These are the cones that are used.
@@ -301,7 +339,10 @@ impl Cones {
         let Some(solver) = &mut self.solver else { return Ok(()) };
         let set = match &self.edits.changed {
             Some(cones) => measures::evaluated(&mut solver.flow, cones.clone()),
-            None => measures::of_optimum(&mut solver.flow, settings, &self.edits, surface),
+            None => match &self.placing {
+                Some(places) => measures::of_places(&mut solver.flow, places, &self.edits),
+                None => measures::of_optimum(&mut solver.flow, settings, &self.edits, surface),
+            },
         };
         let set = set.map_err(|error| cone_problem(surface, &error))?;
         self.optimum = Some(solver.flow.state().clone());

@@ -16,6 +16,9 @@ use crate::methods::cones::{
     ConeBoundary, ConeFields, ConeMethod, ConeParams, ConeTarget, feature_size_weights,
 };
 
+/// Price of the optimum whose cones an exact number of them begins with: some tens on most surfaces.
+const START: f64 = 0.005;
+
 /// The options of the solver.
 pub fn params(settings: &Settings) -> ConeParams {
     let bounds = match settings.text("bounds") {
@@ -57,10 +60,16 @@ pub fn target(settings: &Settings) -> ConeTarget {
                 false => ConeTarget::Count(most),
             }
         }
+        "exactly" => ConeTarget::Lambda(START),
         "angle" => ConeTarget::TotalAngle(settings.number("angle_target") * PI),
         "distortion" => ConeTarget::Distortion(settings.number("distortion_target")),
         _ => ConeTarget::Lambda(settings.number("lambda")),
     }
+}
+
+/// How many cones there are to be, where that is given exactly.
+pub fn exact_count(settings: &Settings) -> Option<usize> {
+    (settings.text("choose_by") == "exactly").then(|| settings.number("exact_count") as usize)
 }
 
 /// Weights, exclusions and cones by hand.

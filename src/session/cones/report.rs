@@ -41,7 +41,7 @@ pub struct ConesReport {
     pub violation: f64,
     /// The cones as they are used.
     pub rounded: RoundedReport,
-    /// `converged`, `infeasible`, `stalled`, `convex` or `paused`.
+    /// `converged`, `infeasible`, `stalled`, `convex`, `paused`, or `placed` where an exact number of cones was put where they do most.
     pub status: &'static str,
     /// Rounds of the solver.
     pub rounds: usize,
@@ -136,6 +136,7 @@ impl Work {
                 change: set.change,
             },
             status: match flow.status() {
+                _ if self.cones.is_placed() => "placed",
                 Status::Converged if state.is_convex => "convex",
                 Status::Converged => "converged",
                 Status::Infeasible => "infeasible",

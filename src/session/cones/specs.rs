@@ -16,16 +16,20 @@ fn sparsity() -> Vec<ParamSpec> {
             &[
                 ("lambda", "Cone cost λ"),
                 ("count", "Number of cones"),
+                ("exactly", "Exact number of cones"),
                 ("angle", "Total angle"),
                 ("distortion", "Distortion"),
             ],
-            "What is given: the price of angle, or what it should lead to; the price is then found on the path of optima."),
+            "What is given: the price of angle, or what it should lead to; the price is then found on the path of optima. Where no price leads to few cones, an exact number of them is put where they do most."),
         number("lambda", "Cone cost", "λ", "", [1e-4, 0.2, 1e-4], 0.005,
             "Price of a radian of cone angle against ½∫u² on a surface of unit area. A smaller price gives more cones and less distortion.")
             .group(sparsity).logarithmic().only_if("choose_by", &["lambda"]),
         number("cone_count", "Cones at most", "", "", [0.0, 400.0, 1.0], 8.0,
             "The smallest price is taken that leads to no more cones than this, merged ones counted once.")
             .group(sparsity).integer().only_if("choose_by", &["count"]),
+        number("exact_count", "Cones", "", "", [0.0, 400.0, 1.0], 8.0,
+            "So many cones, their places found by local search from the merged cones of an optimum, their angles those that distort least. Nothing proves that no other places are better.")
+            .group(sparsity).integer().only_if("choose_by", &["exactly"]),
         number("angle_target", "Total angle", "Φ", "π", [0.0, 40.0, 0.05], 4.0,
             "Sum of the cones' angles without their signs. A closed surface of genus 0 has at least 4 π.")
             .group(sparsity).only_if("choose_by", &["angle"]),

@@ -35,7 +35,16 @@ impl Work {
             let text = "These cones are the optimum again; Undo brings the changes by hand back.";
             notes.push(text.into());
         }
-        if state.is_convex {
+        if self.cones.is_placed() && set.cones.is_empty() {
+            // None was asked for, and none is there.
+        } else if self.cones.is_placed() {
+            notes.push(format!(
+                "{} where local search found them to distort least: ∫u² is {:.4} at a total angle of {:.3} π. Other places may be better still.",
+                plural(set.count(), "cone"),
+                set.int_u2,
+                set.total_angle / PI
+            ));
+        } else if state.is_convex {
             notes.push(
                 "The surface is convex everywhere: the optimum is its own curvature at every vertex, whatever the cost. \
                  Paint No cones over all but the places where cones may be: the curvature is then gathered there."
@@ -125,6 +134,7 @@ impl Work {
             kind: match used.kind {
                 ConeKind::Optimal => "optimal",
                 ConeKind::Merged => "merged",
+                ConeKind::Placed => "placed",
                 ConeKind::Free => "free",
                 ConeKind::Moved => "moved",
                 ConeKind::Corner => "corner",
