@@ -111,6 +111,7 @@ export function coneMethod(on) {
 
   function figures(event) {
     const time = spent > 0 ? [`${spent < 10 ? fixed(spent, 1) : fixed(spent, 0)}\u202fms`] : [];
+    if (event.is_placed) return [...time, "places by local search"].join(", ");
     const part = event.lambda / event.lambda_max;
     // From λ_max on a higher price changes nothing.
     const place = part > 1 ? `above λ_max ${dial(event.lambda_max)}` : `${fixed(100 * part, 1)}\u202f% of λ_max`;
@@ -219,6 +220,7 @@ export function coneMethod(on) {
     /** What Learn tells of the solution: `[name, text]`. */
     figures() {
       if (!last) return [];
+      if (last.is_placed) return [["Cones shown", String(last.cones.length)], ["Total angle Σ|μ|", pi(last.total_angle)], ["Distortion ∫u²", fixed(last.int_u2, 4)]];
       const { lambda, lambda_max: most, is_lambda_max_exact: isExact, raw_count: raw, cones, total_angle: total } = last;
       return [
         ["Price λ", dial(lambda)],

@@ -34,13 +34,15 @@ export function distortionPlot(host, choice) {
   function draw() {
     const { width, height } = size;
     const isPrice = choice.value === "price";
+    // An exact number of cones has no price either.
+    const here = isPrice && now?.isPlaced ? null : now;
     // Rivals have no price.
-    const isEnough = points.length + (isPrice ? 0 : rivals.length) + (now ? 1 : 0) > 1;
+    const isEnough = points.length + (isPrice ? 0 : rivals.length) + (here ? 1 : 0) > 1;
     hint.hidden = isEnough;
     hint.textContent = isWhole && points.length === 0 ? "The cones are the same for every λ: there is no path." : now ? "Trace path shows here what each number of cones would leave." : "What the cones buy appears here.";
     svg.toggleAttribute("hidden", !isEnough);
     if (!isEnough || width < 120 || height < 60) return;
-    const { nodes, label } = DRAWINGS[choice.value]({ points, now, rivals, width, height });
+    const { nodes, label } = DRAWINGS[choice.value]({ points, now: here, rivals, width, height });
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     svg.setAttribute("aria-label", label);
     svg.replaceChildren(...nodes);
@@ -49,7 +51,7 @@ export function distortionPlot(host, choice) {
   return {
     /** Takes a `cones` event. */
     show(event) {
-      now = { lambda: event.lambda, count: event.cones.length, raw: event.raw_count, total_angle: event.total_angle, int_u2: event.int_u2 };
+      now = { lambda: event.lambda, count: event.cones.length, raw: event.raw_count, isPlaced: event.is_placed, total_angle: event.total_angle, int_u2: event.int_u2 };
       redraw();
     },
     /** Takes a `cone_path` event. */

@@ -36,7 +36,7 @@ export function overAngle({ points, now, rivals, width, height }) {
   const label = labeller(nodes, LEFT, width, floor);
   if (now) {
     nodes.push(s("circle", { class: "here", cx: x(now), cy: y(now), r: 4 }));
-    label(x(now), y(now), `${plural(now.raw, "vertex", "vertices")}, λ ${dial(now.lambda)}`, "strong");
+    label(x(now), y(now), now.isPlaced ? `Best places, ${count(now.count)}` : `${plural(now.raw, "vertex", "vertices")}, λ ${dial(now.lambda)}`, "strong");
   }
   for (const rival of rivals) {
     nodes.push(s("circle", { class: "second", cx: x(rival), cy: y(rival), r: 3.5 }));

@@ -112,7 +112,9 @@ export function pathPanel(on) {
     if (hadFocus && document.activeElement === document.body && wasPressed) (isTracing ? stop : trace).focus({ preventScroll: true });
 
     svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
-    const shown = now?.raw_count ?? now?.cones.length ?? 0;
+    // An exact number of cones is on no path.
+    const at = now?.is_placed ? null : now;
+    const shown = at?.raw_count ?? at?.cones.length ?? 0;
     // Alone the point stands in the middle: nothing is known of the numbers beside it.
     const most = Math.max(1, points.length > 0 ? shown : 4 * shown, ...points.map((point) => point.count));
     const hasButton = !(trace.hidden && work.hidden);
@@ -133,9 +135,9 @@ export function pathPanel(on) {
       const anchor = x < 16 ? "start" : x > width - 24 ? "end" : "middle";
       nodes.push(s("text", { class: "ax", x: anchor === "start" ? 0 : anchor === "end" ? width : x, y: HEIGHT - 2, "text-anchor": anchor }, power(tick)));
     }
-    const label = now && labelAt(place(now.lambda), rise(shown, most), wordings(shown, now.cones.length), most, hasButton);
-    if (now) {
-      const [x, y] = [place(now.lambda), rise(shown, most)];
+    const label = at && labelAt(place(at.lambda), rise(shown, most), wordings(shown, at.cones.length), most, hasButton);
+    if (at) {
+      const [x, y] = [place(at.lambda), rise(shown, most)];
       nodes.push(s("path", { class: "now", d: `M${x.toFixed(1)} ${TOP - 6}V${FLOOR}` }), s("circle", { class: "now", cx: x, cy: y, r: 4 }));
     }
     // Numbers stand over the curve, at the end that is free: on the left, which is traced last, while the button has the right one.
@@ -147,7 +149,7 @@ export function pathPanel(on) {
     if (label) nodes.push(s("text", { class: "label", x: label.start, y: label.y }, label.text));
     svg.replaceChildren(...nodes);
     const path = points.length > 0 ? `, from ${count(points[0].count)} at ${dial(points[0].lambda)} to ${count(points.at(-1).count)} at ${dial(points.at(-1).lambda)}` : "";
-    svg.setAttribute("aria-label", `Number of cones over λ${path}${now ? `; ${plural(shown, "cone")} at λ ${dial(now.lambda)}` : ""}`);
+    svg.setAttribute("aria-label", `Number of cones over λ${path}${at ? `; ${plural(shown, "cone")} at λ ${dial(at.lambda)}` : ""}`);
     edited.hidden = !(now?.is_edited || now?.has_placed);
     note.hidden = !now?.note;
     write(note, now?.note ?? "");

@@ -20,6 +20,7 @@
 )]
 
 mod parts;
+mod singles;
 
 use self::parts::{Part, materials, parts};
 use super::bytes::{FileFault, length_u32, push_singles, single};
@@ -171,14 +172,16 @@ impl File {
         let patch = |&v: &u32| patches[v as usize];
         let pieces: Vec<f32> = split.vertices.iter().map(|v| (patch(v) + 1) as f32).collect();
         common.push(self.attribute("_PIECE", "SCALAR", &pieces, ""));
-        let uv = |v: &u32| {
-            let [u, v] = match map.has_chart[patch(v) as usize] {
-                true => map.uv(charts[*v as usize]),
+        let uv = |(v, place): (usize, &[f64; 2])| {
+            let [u, v] = match map.has_chart[patches[v] as usize] {
+                true => map.uv(*place),
                 false => [0.0, 1.0],
             };
-            [single(u), single(1.0 - v)]
+            [u, 1.0 - v]
         };
-        let uvs: Vec<f32> = split.vertices.iter().flat_map(uv).collect();
+        let places: Vec<[f64; 2]> = charts.iter().enumerate().map(uv).collect();
+        let places = singles::rounded(&surface.opened.mesh, &places);
+        let uvs: Vec<f32> = split.vertices.iter().flat_map(|v| places[*v as usize]).collect();
         let has_map = !map.placed.is_empty();
         let uv = has_map.then(|| self.attribute("TEXCOORD_0", "VEC2", &uvs, ""));
         Attributes { common: common.join(", "), uv: uv.unwrap_or_default() }

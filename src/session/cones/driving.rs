@@ -373,7 +373,9 @@ impl Work {
             rows.push(measures::row("Greedy".into(), &greedy));
             layouts.push(charts(&greedy)?);
         }
+        // Best places have their best angles.
         if count > 0
+            && !self.cones.is_placed()
             && let Some(flow) = self.cones.flow_mut()
         {
             // Greedy cones take whatever angle is best where they are: so may these.

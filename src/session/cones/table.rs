@@ -13,6 +13,8 @@ pub struct ConeTable {
     pub is_lambda_max_exact: bool,
     /// Whether cones were changed by hand after the optimum.
     pub is_edited: bool,
+    /// Whether an exact number of cones was put where local search found them to do most: no price led to them.
+    pub is_placed: bool,
     /// Whether the optimum was asked for with cones that were placed by hand.
     pub has_placed: bool,
     /// Vertices that are cones in the optimum.
@@ -44,7 +46,7 @@ pub struct ConeRow {
     pub place: [f64; 3],
     /// Curvature that is gathered there, radians.
     pub angle: f64,
-    /// `optimal`, `merged` (of several vertices), `corner` (of the flattened boundary), or by hand `free`, `moved` or `fixed`.
+    /// `optimal`, `merged` (of several vertices), `corner` (of the flattened boundary), `placed` (of an exact number), or by hand `free`, `moved` or `fixed`.
     pub kind: &'static str,
     /// Vertices of the optimum that it stands for.
     pub members: usize,

@@ -148,6 +148,7 @@ impl Work {
             lambda_max: flow.lambda_max(),
             is_lambda_max_exact: flow.knows_lambda_max(),
             is_edited: self.cones.edits.changed.is_some(),
+            is_placed: self.cones.is_placed(),
             has_placed: !self.cones.edits.placed.is_empty(),
             raw_count: state.cones.len(),
             raw_int_u2: state.int_u2,
