@@ -64,6 +64,16 @@ pub enum ConeError {
         /// Largest total that they allow.
         most: f64,
     },
+    /// So few cones cannot have the total angle that the surface must have.
+    #[error(
+        "{count} cones cannot have the total angle that the surface must have (Gauss–Bonnet): {needed} can"
+    )]
+    TooFew {
+        /// What was asked for.
+        count: usize,
+        /// The fewest that can.
+        needed: usize,
+    },
     /// A prescribed cone that contradicts something else that was asked for.
     #[error("the cone of angle {angle} at vertex {} cannot be: {conflict}", .vertex.0)]
     Conflict {

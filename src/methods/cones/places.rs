@@ -50,6 +50,10 @@ const MOST_MORE: usize = 64;
 const MOST_KEPT: usize = 600;
 /// What a change has to gain, over the energy: less is rounding.
 const GAIN: f64 = 1e-7;
+/// Mean of ½ u² that is as good as none: without this limit cones of a polyhedron would wander for ever from one exact answer to the next.
+const FLAT: f64 = 1e-9;
+/// Angle that is none, radians.
+const NOTHING: f64 = 1e-9;
 
 /// The search for the best places of a number of cones, one bounded step at a time.
 #[derive(Clone, Debug)]
@@ -97,7 +101,8 @@ struct Change {
 
 impl Places {
     /// **Takes** cones to begin with, as [`ConeFlow::evaluate`] takes them (none: spread evenly); those that are to stay where they are, and among them
-    /// those that keep their angle; how many there are to be, at least as many as stay.
+    /// those that keep their angle; how many there are to be, at least as many as stay. Corners of the boundary keep the angles that they have in
+    /// the flow's state.
     /// **Fails** as [`ConeFlow::evaluate`], and where so few cones cannot have the total angle. **Costs** two solves for each cone, and
     /// two responses.
     pub fn new(
@@ -107,9 +112,14 @@ impl Places {
         held: &[VertexId],
         count: usize,
     ) -> Result<Self, SolveError> {
+        let parts = parts(flow);
+        let needed = flow.fields.fixed.len() + parts.iter().map(|part| part.needed).sum::<usize>();
+        if needed > count {
+            return Err(ConeError::TooFew { count, needed }.into());
+        }
         let spread;
         let start = if start.is_empty() {
-            spread = spread_evenly(&flow.problem, &flow.fields);
+            spread = spread_evenly(flow, &parts);
             &spread[..]
         } else {
             start
@@ -137,9 +147,7 @@ impl Places {
         let open = open_dofs(problem, &flow.fields);
         for i in 0..dofs {
             if open[i] {
-                let [least, most] = [problem.low[i], problem.high[i]];
-                low[i] = if least > -FREE_BOUND { least } else { -USUAL };
-                high[i] = if most < FREE_BOUND { most.min(MOST) } else { USUAL };
+                [low[i], high[i]] = usual(problem, i);
             }
             // What is out of bounds may stay there but not go farther.
             low[i] = f64::min(low[i], set.angles[i]);
@@ -148,6 +156,7 @@ impl Places {
         let among = |vertices: &[VertexId]| -> BTreeSet<u32> {
             vertices.iter().map(dof).filter(|i| places.contains(i)).collect()
         };
+        let held_vertices = held;
         let (held, stay) = (among(held), &among(pinned) | &among(held));
         let is_many = places.len() > count + MOST_MORE;
         if is_many {
@@ -162,6 +171,10 @@ impl Places {
                     std::mem::take(&mut set.angles[i as usize]);
             }
             share_out(problem, [&low, &high], &mut set.angles, &order, &mut rest);
+            if rest.iter().any(|rest| rest.abs() > NOTHING) {
+                // Those have no room for the others, or a part has none of them.
+                return Self::new(flow, &[], pinned, held_vertices, count);
+            }
         }
         let mut found = Self {
             count,
@@ -197,7 +210,7 @@ impl Places {
             vertex: VertexId(system.dofs[i as usize]),
             angle: self.set.angles[i as usize],
         };
-        self.places.iter().map(cone).filter(|cone| cone.angle != 0.0).collect()
+        self.places.iter().map(cone).filter(|cone| cone.angle.abs() > NOTHING).collect()
     }
 
     /// One cone more or less, one round of moves, or one round of exchanges. **Takes** the flow that it was made with. **Costs** some tens
@@ -232,10 +245,12 @@ impl Places {
     ) -> T {
         let mut own = std::mem::take(&mut self.bounds);
         let mut prices = vec![0.0; problem.prices.len()];
+        let mut settled = vec![false; problem.settled.len()];
         let mut swap = |problem: &mut Problem, [low, high]: &mut [Vec<f64>; 2]| {
             std::mem::swap(&mut problem.low, low);
             std::mem::swap(&mut problem.high, high);
             std::mem::swap(&mut problem.prices, &mut prices);
+            std::mem::swap(&mut problem.settled, &mut settled);
         };
         swap(problem, &mut own);
         let result = work(self, problem);
@@ -265,6 +280,11 @@ impl Places {
         self.phi = greens::shifted(problem, &self.set, &self.response);
         let mass = &problem.system.mass;
         self.energy = 0.5 * self.response.u.iter().zip(mass).map(|(u, m)| m * u * u).sum::<f64>();
+    }
+
+    /// What a change has to gain.
+    fn least_gain(&self, problem: &Problem) -> f64 {
+        GAIN * self.energy.max(FLAT * problem.system.mass.iter().sum::<f64>())
     }
 
     /// Rounding of φ.
@@ -347,8 +367,8 @@ impl Places {
             fewer.remove(i);
             self.at(problem, fewer)
         };
-        // Where one cannot be spared because the others have no room, none can.
-        let tried = worth.iter().take(TRIED).filter_map(without);
+        // On a part whose other cones have no room none can be spared.
+        let tried = worth.iter().filter_map(without).take(TRIED);
         tried.max_by(|a, b| a.gain.total_cmp(&b.gain))
     }
 
@@ -400,29 +420,10 @@ impl Places {
             return Ok(false);
         }
         let change = self.without_one(problem, &self.places, &self.set.angles);
-        self.take(change.ok_or_else(|| self.too_few(problem))?);
+        let too_few = ConeError::TooFew { count: self.count, needed: self.places.len() };
+        self.take(change.ok_or(too_few)?);
         self.fit(problem);
         Ok(true)
-    }
-
-    /// What the total angle would need.
-    fn too_few(&self, problem: &Problem) -> ConeError {
-        let part = |i: u32| problem.system.component_of[i as usize] as usize;
-        let tight = self.places.iter().copied().min_by(|&a, &b| {
-            let room = |i: u32| -> f64 {
-                let own = self.places.iter().filter(|&&j| part(j) == part(i));
-                own.map(|&j| problem.high[j as usize] - self.set.angles[j as usize]).sum()
-            };
-            room(a).total_cmp(&room(b))
-        });
-        let i = tight.unwrap_or(0);
-        let count = self.count as f64;
-        ConeError::OutOfBounds {
-            vertex: VertexId(problem.system.dofs[i as usize]),
-            needed: problem.system.components[part(i)].total,
-            least: count * problem.low[i as usize],
-            most: count * problem.high[i as usize],
-        }
     }
 
     /// Neighbours where a cone may be and none is.
@@ -475,7 +476,7 @@ impl Places {
             places.remove(&from);
             places.insert(to);
             if let Some(change) = self.at(problem, places)
-                && change.gain > best.gain + GAIN * self.energy
+                && change.gain > best.gain + self.least_gain(problem)
             {
                 best = change;
             }
@@ -501,7 +502,7 @@ impl Places {
                 self.without_one(problem, &with.places, &with.set.angles)
             })
             .max_by(|a, b| a.gain.total_cmp(&b.gain));
-        match best.filter(|change| change.gain > GAIN * self.energy) {
+        match best.filter(|change| change.gain > self.least_gain(problem)) {
             Some(change) => {
                 self.take(change);
                 self.fit(problem);
@@ -547,36 +548,68 @@ fn release(set: &mut ActiveSet, places: &BTreeSet<u32>, held: &BTreeSet<u32>) {
     }
 }
 
-/// Equal cones far from one another (in steps from vertex to vertex), on every closed component as few as its total angle needs.
-fn spread_evenly(problem: &Problem, fields: &ConeFields) -> Vec<Cone> {
-    let open = open_dofs(problem, fields);
+/// What cones inside have to do on a connected part.
+struct Part {
+    /// What they add up to besides those that are prescribed and the corners; 0 where anything is allowed.
+    rest: f64,
+    /// The fewest that can.
+    needed: usize,
+    /// Where they may be.
+    members: Vec<usize>,
+}
+
+fn parts(flow: &ConeFlow) -> Vec<Part> {
+    let (problem, fields) = (&flow.problem, &flow.fields);
     let system = &problem.system;
-    let mut cones = Vec::new();
-    for (c, component) in system.components.iter().enumerate() {
-        let members: Vec<usize> = (0..system.len())
-            .filter(|&i| system.component_of[i] as usize == c && open[i])
-            .collect();
-        let is_own =
-            |v: VertexId| system.component_of[system.dof_of[v.index()] as usize] as usize == c;
-        let fixed = fields.fixed.iter().filter(|(v, _)| is_own(*v));
-        cones.extend(fixed.clone().map(|&(vertex, angle)| Cone { vertex, angle }));
-        let free = fields.free.iter().filter(|&&v| is_own(v));
-        cones.extend(free.map(|&vertex| Cone { vertex, angle: 0.0 }));
-        let rest = component.total - fixed.map(|fixed| fixed.1).sum::<f64>();
-        if !component.is_floating || rest.abs() < 1e-9 || members.is_empty() {
-            continue;
+    let open = open_dofs(problem, fields);
+    let part = |(c, component): (usize, &super::system::Component)| {
+        let own = (0..system.len()).filter(|&i| system.component_of[i] as usize == c);
+        let corners = own.clone().filter(|&i| !problem.is_inside[i]);
+        let corners: f64 = corners.map(|i| flow.progress.set.angles[i]).sum();
+        let dof = |v: VertexId| system.dof_of[v.index()] as usize;
+        let fixed = fields.fixed.iter().filter(|(v, _)| system.component_of[dof(*v)] as usize == c);
+        let rest = component.total - corners - fixed.map(|fixed| fixed.1).sum::<f64>();
+        let members: Vec<usize> = own.filter(|&i| open[i]).collect();
+        if !component.is_floating || rest.abs() < NOTHING {
+            return Part { rest: 0.0, needed: 0, members };
         }
-        let bound = members.iter().fold(0.0, |m: f64, &i| {
-            m.max(if rest > 0.0 { problem.high[i].min(USUAL) } else { -problem.low[i].max(-USUAL) })
-        });
-        let count = (rest.abs() / bound).ceil().min(members.len() as f64) as usize;
+        let bound = |i: usize| {
+            let [least, most] = usual(problem, i);
+            if rest > 0.0 { most } else { -least }
+        };
+        let bound = members.iter().fold(0.0, |m: f64, &i| m.max(bound(i)));
+        let needed = (rest.abs() / bound - NOTHING).ceil();
+        Part { rest, needed: needed as usize, members }
+    };
+    system.components.iter().enumerate().map(part).collect()
+}
+
+/// Bounds of a cone that may be anything within those of the flow.
+fn usual(problem: &Problem, i: usize) -> [f64; 2] {
+    let [least, most] = [problem.low[i], problem.high[i]];
+    [
+        if least > -FREE_BOUND { least } else { -USUAL },
+        if most < FREE_BOUND { most.min(MOST) } else { USUAL },
+    ]
+}
+
+/// Equal cones far from one another (in steps from vertex to vertex), as few as are needed, and those by hand.
+fn spread_evenly(flow: &ConeFlow, parts: &[Part]) -> Vec<Cone> {
+    let (system, fields) = (&flow.problem.system, &flow.fields);
+    let mut cones: Vec<Cone> =
+        fields.fixed.iter().map(|&(vertex, angle)| Cone { vertex, angle }).collect();
+    cones.extend(fields.free.iter().map(|&vertex| Cone { vertex, angle: 0.0 }));
+    for part in parts.iter().filter(|part| part.needed > 0) {
+        let is_taken = |i: usize| fields.free.contains(&VertexId(system.dofs[i]));
+        let members: Vec<usize> = part.members.iter().copied().filter(|&i| !is_taken(i)).collect();
+        let Some(&first) = members.first() else { continue };
         let mut steps = vec![u32::MAX; system.len()];
-        let mut next = members[0];
-        for trial in 0..=count {
+        let mut next = first;
+        for trial in 0..=part.needed {
             // The first vertex only leads to one that is far.
             if trial > 0 {
                 let vertex = VertexId(system.dofs[next]);
-                cones.push(Cone { vertex, angle: rest / count as f64 });
+                cones.push(Cone { vertex, angle: part.rest / part.needed as f64 });
             }
             let mut queue = std::collections::VecDeque::from([next]);
             steps[next] = 0;

@@ -168,6 +168,7 @@ impl LevelSets {
         for crossed in &cut.faces {
             let count = if crossed.lone == 3 { 3 } else { 1 };
             let vertices = mesh.face_vertices(crossed.face);
+            let own_labels = vertices.map(|v| kept.labels[v.index()]);
             for v in vertices {
                 if candidates.is_empty(v) {
                     ring.push(v);
@@ -176,37 +177,48 @@ impl LevelSets {
                     let labels = cut.segments[segment as usize].labels;
                     candidates.offer(v, labels, places.nearest(problem, v, segment));
                 }
-                for w in vertices {
-                    near_labels.push(joined(v, kept.labels[w.index()]));
+                for (k, label) in own_labels.iter().enumerate() {
+                    if !own_labels[..k].contains(label) {
+                        near_labels.push(joined(v, *label));
+                    }
                 }
             }
         }
         near_labels.sort_unstable();
         near_labels.dedup();
-        // The round in which a vertex last was in the ring, and beside it.
-        let mut rounds = vec![[0u8; 2]; mesh.vertex_count()];
+        // Chains of the ring's vertices beside each vertex: its first link, and of each link a vertex and the next one.
+        let mut firsts = vec![NONE; mesh.vertex_count()];
+        let mut links: Vec<(VertexId, u32)> = Vec::new();
         let (mut beside, mut near): (Vec<VertexId>, Vec<u32>) = Default::default();
         let mut offers: Vec<(VertexId, u32)> = Vec::new();
-        for round in 1..=RINGS {
+        for _ in 0..RINGS {
             // A second offer to the vertices at hand, then on to their neighbours.
             beside.clear();
-            ring.iter().for_each(|v| rounds[v.index()][0] = round);
-            for w in ring.iter().flat_map(|&v| mesh.outgoing(v)).map(|h| mesh.tip(h)) {
-                if std::mem::replace(&mut rounds[w.index()][1], round) != round {
-                    beside.push(w);
+            links.clear();
+            for &v in &ring {
+                for w in mesh.outgoing(v).map(|h| mesh.tip(h)) {
+                    let first = std::mem::replace(&mut firsts[w.index()], links.len() as u32);
+                    links.push((v, first));
+                    if first == NONE {
+                        beside.push(w);
+                    }
                 }
             }
             beside.sort_unstable();
             offers.clear();
             for &w in &beside {
                 near.clear();
-                for v in mesh.outgoing(w).map(|h| mesh.tip(h)) {
-                    if rounds[v.index()][0] == round {
-                        candidates.for_each(v, |_, nearest| near.push(nearest.segment));
-                    }
+                let mut at = std::mem::replace(&mut firsts[w.index()], NONE);
+                while at != NONE {
+                    let (v, next) = links[at as usize];
+                    candidates.for_each(v, |_, nearest| {
+                        if !near.contains(&nearest.segment) {
+                            near.push(nearest.segment);
+                        }
+                    });
+                    at = next;
                 }
                 near.sort_unstable();
-                near.dedup();
                 let is_news = |&segment: &u32| {
                     !candidates.has(w, cut.segments[segment as usize].labels, segment)
                 };
@@ -225,22 +237,29 @@ impl LevelSets {
         let mut result = Self {
             labels: kept.labels.clone(),
             starts: Vec::with_capacity(mesh.vertex_count() + 1),
-            entry_labels: Vec::new(),
-            values: Vec::new(),
+            entry_labels: Vec::with_capacity(candidates.len()),
+            values: Vec::with_capacity(candidates.len()),
             far: FAR * mean_edge,
         };
-        let mut response = Response::default();
+        let mut response = Response { rows: Vec::with_capacity(candidates.len()) };
+        let mut near_labels = &near_labels[..];
         let slopes = Slopes::new(problem, cut);
         let mut list: Vec<(u32, Nearest)> = Vec::new();
         for v in mesh.vertices() {
             result.starts.push(result.values.len() as u32);
+            if candidates.is_empty(v) {
+                continue;
+            }
             list.clear();
             candidates.for_each(v, |label, nearest| list.push((label, *nearest)));
             list.sort_unstable_by_key(|(label, _)| *label);
             let own = kept.labels[v.index()];
+            let passed = near_labels.iter().take_while(|&&l| l < joined(v, 0)).count();
+            near_labels = &near_labels[passed..];
             for &(label, nearest) in list.iter() {
                 let inside = label == own;
-                let is_near = near_labels.binary_search(&joined(v, label)).is_ok();
+                let of_vertex = near_labels.iter().take_while(|&&l| l <= joined(v, label));
+                let is_near = of_vertex.last() == Some(&joined(v, label));
                 let distance = if inside { -nearest.distance } else { nearest.distance };
                 let value = match kept.entry(v, label) {
                     Some(old) if is_near => kept.values[old],

@@ -35,6 +35,11 @@ impl Candidates {
         Self { first: vec![NONE; vertex_count], entries: Vec::new() }
     }
 
+    /// Number of all that were found, over all vertices and labels.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
     pub fn is_empty(&self, v: VertexId) -> bool {
         self.first[v.index()] == NONE
     }

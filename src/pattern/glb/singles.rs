@@ -35,7 +35,8 @@ pub(super) fn rounded(mesh: &Mesh, places: &[[f64; 2]]) -> Vec<[f32; 2]> {
         }
     };
     let is_kept = |singles: &[[f32; 2]], f: usize| {
-        side(corners(f).map(|v| singles[v].map(f64::from))) == side(corners(f).map(|v| places[v]))
+        let before = side(corners(f).map(|v| places[v]));
+        before == 0 || before == side(corners(f).map(|v| singles[v].map(f64::from)))
     };
     let mut wrong: Vec<usize> = (0..mesh.face_count()).filter(|&f| !is_kept(&singles, f)).collect();
     if wrong.is_empty() {

@@ -339,7 +339,7 @@ impl Work {
     /// λ as it was found for another target.
     fn follow_target(&mut self) {
         if let Some(flow) = self.cones.flow()
-            && self.settings.text("choose_by") != "lambda"
+            && !["lambda", "exactly"].contains(&self.settings.text("choose_by"))
             && flow.status() != Status::Running
         {
             let [least, most] = PRICES;

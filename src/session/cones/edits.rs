@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::super::surface::Surface;
-use super::super::text::Problem;
+use super::super::text::{Problem, plural};
 use super::{ConeKind, UsedCone};
 use crate::mesh::VertexId;
 use crate::methods::cones::{ConeConflict, ConeError, EditError};
@@ -74,6 +74,16 @@ pub fn cone_problem(surface: &Surface, error: &SolveError) -> Problem {
             ),
             part(*vertex),
             "Widen the bounds, exclude less, or fix fewer cones.",
+        ),
+        ConeError::TooFew { count, needed } => Problem::new(
+            format!(
+                "{} cannot have the total angle that this surface must have (Gauss–Bonnet): at least {needed} are needed.",
+                plural(*count, "cone")
+            ),
+            format!("{}, exact number of cones.", surface.name),
+            format!(
+                "Ask for {needed} or more, or allow larger angles. Without a bound a cone has half a turn at most here, with one up to 3π/2."
+            ),
         ),
         ConeError::GaussBonnet { vertex, total, needed } => Problem::new(
             format!(

@@ -78,8 +78,8 @@ pub fn of_optimum(
     Ok(set)
 }
 
-/// The search for the places of so many cones, begun with the merged cones of the optimum; without it, or where it is the curvature of every vertex,
-/// with some far from one another.
+/// The search for the places of so many cones, begun with the merged cones of the optimum; where that is the curvature of every vertex with some
+/// far from one another.
 pub fn places(
     flow: &mut ConeFlow,
     count: usize,
@@ -91,7 +91,7 @@ pub fn places(
         placed.map(|placed| placed.vertex).collect()
     };
     let (free, fixed) = (by_hand(false), by_hand(true));
-    if flow.status() == Status::Running || flow.state().is_convex {
+    if flow.state().is_convex {
         return Places::new(flow, &[], &free, &fixed, count);
     }
     let (mine, others): (Vec<Cone>, Vec<Cone>) =

@@ -39,9 +39,6 @@ pub use table::{ConeComparisonRow, ConePathPoint, ConeRow, ConeTable};
 /// Rounds of a solution whose results are not shown one by one: merging and measuring them takes longer than they do.
 const SHORT: usize = 8;
 
-/// Rounds after which the optimum is not waited for where only a start for an exact number of cones is wanted.
-const LONG: usize = 20;
-
 /// Cones of a document. Nothing is solved before the method is chosen.
 #[derive(Default)]
 pub struct Cones {
@@ -290,8 +287,7 @@ impl Cones {
         let is_running = self.prepare(document, settings, layers)?.status() == Status::Running;
         let exactly = problem::exact_count(settings).filter(|_| self.edits.changed.is_none());
         match (exactly, &mut self.solver) {
-            // An optimum that takes long is spread over many vertices: it is no start for few cones.
-            (Some(count), _) if !is_running || self.rounds >= LONG => self.place(count, surface)?,
+            (Some(count), _) if !is_running => self.place(count, surface)?,
             (_, Some(solver)) if is_running => {
                 solver.flow.step().map_err(|error| cone_problem(surface, &error))?;
             }

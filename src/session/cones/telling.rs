@@ -44,6 +44,12 @@ impl Work {
                 set.int_u2,
                 set.total_angle / PI
             ));
+            let wanted = self.settings.number("exact_count");
+            if (set.count() as f64) < wanted {
+                notes.push(format!(
+                    "That is less than {wanted}: more would not lower the distortion."
+                ));
+            }
         } else if state.is_convex {
             notes.push(
                 "The surface is convex everywhere: the optimum is its own curvature at every vertex, whatever the cost. \
