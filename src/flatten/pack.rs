@@ -382,6 +382,8 @@ fn skyline(tiles: &[Vector2<f64>]) -> Vec<Point2<f64>> {
 /// Each tile as low as possible, then as far left as possible, upon those before it; what is hardly lower is not lower.
 fn skyline_of_width(tiles: &[Vector2<f64>], order: &[usize], width: f64) -> Vec<Point2<f64>> {
     let mut corners = vec![Point2::origin(); tiles.len()];
+    // A tile as wide as the one below it rests on that one, whatever their last digits are.
+    let slack = 1e-13 * width;
     // Where each level begins, and its height.
     let mut line = vec![Point2::new(0.0, 0.0)];
     for &tile in order {
@@ -392,7 +394,7 @@ fn skyline_of_width(tiles: &[Vector2<f64>], order: &[usize], width: f64) -> Vec<
             if end > width {
                 break;
             }
-            let below = line[i..].iter().take_while(|l| l.x < end);
+            let below = line[i..].iter().take_while(|l| l.x < end - slack);
             let y = below.fold(0.0, |m: f64, l| m.max(l.y));
             if y < best.y - ALIKE * size.y {
                 best = Point2::new(level.x, y);
@@ -401,10 +403,10 @@ fn skyline_of_width(tiles: &[Vector2<f64>], order: &[usize], width: f64) -> Vec<
         corners[tile] = best;
         let end = best.x + size.x;
         // The level that the tile ends on goes on behind it.
-        let last = line.iter().rposition(|l| l.x < end).unwrap_or(0);
+        let last = line.iter().rposition(|l| l.x < end - slack).unwrap_or(0);
         let behind = line[last].y;
-        let goes_on = line.get(last + 1).map_or(width, |next| next.x) > end;
-        line.retain(|l| l.x < best.x || l.x >= end);
+        let goes_on = line.get(last + 1).map_or(width, |next| next.x) > end + slack;
+        line.retain(|l| l.x < best.x || l.x >= end - slack);
         let at = line.partition_point(|l| l.x < best.x);
         line.insert(at, Point2::new(best.x, best.y + size.y));
         if goes_on {

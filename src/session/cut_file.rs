@@ -165,8 +165,9 @@ pub fn cut_from_uv(surface: &Surface) -> Result<CutMesh, Problem> {
     Ok(cut)
 }
 
-/// A closed surface without handles on the unit sphere: an OBJ with the file's vertices, in their order, and its triangles.
-pub fn sphere_obj(surface: &Surface) -> Result<Vec<u8>, Problem> {
+/// A closed surface without handles on the unit sphere: an OBJ with the file's vertices, in their order, and its triangles. With it the number
+/// of triangles that are turned over.
+pub fn sphere_obj(surface: &Surface) -> Result<(Vec<u8>, usize), Problem> {
     let map = flatten_sphere(&surface.mesh, &surface.geometry)
         .map_err(|error| ChartError::from(error).problem(&surface.name))?;
     let mut places = vec![[0.0; 3]; surface.soup.positions.len()];
@@ -181,7 +182,7 @@ pub fn sphere_obj(surface: &Surface) -> Result<Vec<u8>, Problem> {
         let [a, b, c] = corners.map(|v| surface.soup_vertices[v.index()] + 1);
         text += &format!("f {a} {b} {c}\n");
     }
-    Ok(text.into_bytes())
+    Ok((text.into_bytes(), map.flipped.len()))
 }
 
 /// A surface opened along a cut, to be flattened by several methods side by side.

@@ -366,6 +366,8 @@ fn closed_surfaces_become_centred_spheres() {
     }
     surfaces.extend(Surface::shared("bunny-closed.obj"));
     surfaces.extend(Surface::shared("spot.obj"));
+    // Slender: triangles turn over, which is told.
+    surfaces.extend(Surface::shared("cheburashka.obj"));
     for Surface { name, mesh, geometry } in &surfaces {
         let map = flatten_sphere(mesh, geometry).unwrap();
         assert!(map.effort.factorisations <= 2 && map.effort.solves <= 8);
@@ -380,7 +382,8 @@ fn closed_surfaces_become_centred_spheres() {
         });
         let inward = inward.count();
         println!("{name}: {inward} of {} inward", mesh.face_count());
-        assert!(inward * 1000 <= mesh.face_count(), "{name}: {inward}");
+        assert_eq!(map.flipped.len(), inward, "{name}");
+        assert!(inward * 200 <= mesh.face_count(), "{name}: {inward}");
         // A sphere is itself, up to a rotation: distances stay, to second order.
         if name.starts_with("sphere") {
             assert_eq!(inward, 0);

@@ -466,7 +466,14 @@ fn flatten(args: &FlattenArgs) -> Result<(), Problem> {
         ));
     }
     if args.outline == Some(Shape::Sphere) {
-        write(&args.output, &sphere_obj(surface)?)?;
+        let (bytes, flipped) = sphere_obj(surface)?;
+        write(&args.output, &bytes)?;
+        if flipped > 0 {
+            eprintln!(
+                "warning: {flipped} of {} triangles are turned over on the sphere: the surface is too slender there for its triangles.",
+                surface.mesh.face_count()
+            );
+        }
         say!("{} on the unit sphere", document.name);
         return Ok(());
     }

@@ -4,14 +4,15 @@
 //! pole, where the vertex goes. The freedom that is left, Möbius transformations of the sphere, is used to bring the centre of mass of the
 //! image, each vertex weighing its area on the surface, to the centre of the ball. That determines the map up to rotations.
 //!
-//! Guaranteed: unit vectors with their centre of mass in the centre. Not guaranteed: freedom from flips; accuracy beside the pole, where a few
+//! Guaranteed: unit vectors with their centre of mass in the centre. Not guaranteed: freedom from flips, which are told; accuracy beside the pole, where a few
 //! sides stand for a circle.
 
 use nalgebra::{Matrix3, Point3, Vector3};
+use robust::{Coord3D, orient3d};
 
 use super::{Effort, Interior, RimTarget, TargetError, TargetSolver};
 use crate::geometry::Geometry;
-use crate::mesh::{CutMesh, Mesh, VertexId};
+use crate::mesh::{CutMesh, FaceId, Mesh, VertexId};
 
 /// A surface on the unit sphere.
 #[derive(Clone, Debug)]
@@ -20,6 +21,8 @@ pub struct SphereMap {
     pub positions: Vec<Vector3<f64>>,
     /// Length of the centre of mass, vertices weighing their areas.
     pub off_centre: f64,
+    /// Faces whose corners do not run counter-clockwise seen from outside, told exactly.
+    pub flipped: Vec<FaceId>,
     /// The vertex that became the pole of the projection.
     pub pole: VertexId,
     /// What was spent.
@@ -94,7 +97,15 @@ pub fn flatten_sphere(mesh: &Mesh, geometry: &Geometry) -> Result<SphereMap, Tar
     if !(off_centre < 1e-6) {
         return Err(TargetError::NotFinite);
     }
-    Ok(SphereMap { positions, off_centre, pole, effort: chart.effort })
+    let corner = |v: VertexId| positions[v.index()];
+    let coord = |p: Vector3<f64>| Coord3D { x: p.x, y: p.y, z: p.z };
+    let is_flipped = |f: &FaceId| {
+        let [a, b, c] = mesh.face_vertices(*f).map(|v| coord(corner(v)));
+        // Positive where the centre lies below the face.
+        !(orient3d(a, b, c, coord(Vector3::zeros())) > 0.0)
+    };
+    let flipped = mesh.faces().filter(is_flipped).collect();
+    Ok(SphereMap { positions, off_centre, flipped, pole, effort: chart.effort })
 }
 
 /// The vertex whose faces have the largest smallest angle.
