@@ -56,8 +56,15 @@ const FLAT: f64 = 1e-9;
 const NOTHING: f64 = 1e-9;
 
 /// The search for the best places of a number of cones, one bounded step at a time.
+///
+/// It is made from the cones that are given and once more from some that are far from one another: where it ends depends on where it
+/// begins.
 #[derive(Clone, Debug)]
-pub struct Places {
+pub struct Places(Vec<Search>);
+
+/// One search.
+#[derive(Clone, Debug)]
+struct Search {
     count: usize,
     /// Cones that stay where they are, by dof.
     pinned: BTreeSet<u32>,
@@ -100,12 +107,59 @@ struct Change {
 }
 
 impl Places {
-    /// **Takes** cones to begin with, as [`ConeFlow::evaluate`] takes them (none: spread evenly); those that are to stay where they are, and among them
-    /// those that keep their angle; how many there are to be, at least as many as stay. Corners of the boundary keep the angles that they have in
-    /// the flow's state.
+    /// **Takes** cones to begin with, as [`ConeFlow::evaluate`] takes them (none: only those that are far from one another); those that are to stay where
+    /// they are, and among them those that keep their angle; how many there are to be, at least as many as stay. Corners of the boundary
+    /// keep the angles that they have in the flow's state.
     /// **Fails** as [`ConeFlow::evaluate`], and where so few cones cannot have the total angle. **Costs** two solves for each cone, and
     /// two responses.
     pub fn new(
+        flow: &mut ConeFlow,
+        start: &[Cone],
+        pinned: &[VertexId],
+        held: &[VertexId],
+        count: usize,
+    ) -> Result<Self, SolveError> {
+        let mut searches = vec![Search::new(flow, &[], pinned, held, count)?];
+        if !start.is_empty() {
+            searches.insert(0, Search::new(flow, start, pinned, held, count)?);
+        }
+        Ok(Self(searches))
+    }
+
+    /// Whether the search has ended.
+    pub fn is_done(&self) -> bool {
+        self.0.iter().all(|search| search.stage == Stage::Done)
+    }
+
+    /// The best of the searches that have ended; the first while none has.
+    fn best(&self) -> &Search {
+        let done = self.0.iter().filter(|search| search.stage == Stage::Done);
+        done.min_by(|a, b| a.energy.total_cmp(&b.energy)).unwrap_or(&self.0[0])
+    }
+
+    /// ½ ∫ w_E u² with the cones at hand.
+    pub fn energy(&self) -> f64 {
+        self.best().energy
+    }
+
+    /// The cones, by ascending vertex; corners of the boundary left out.
+    pub fn cones(&self, flow: &ConeFlow) -> Vec<Cone> {
+        self.best().cones(flow)
+    }
+
+    /// One cone more or less, one round of moves, or one round of exchanges. **Takes** the flow that it was made with. **Costs** some tens
+    /// of solves.
+    pub fn step(&mut self, flow: &mut ConeFlow) -> Result<(), SolveError> {
+        match self.0.iter_mut().find(|search| search.stage != Stage::Done) {
+            Some(search) => search.step(flow),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Search {
+    /// As [`Places::new`].
+    fn new(
         flow: &mut ConeFlow,
         start: &[Cone],
         pinned: &[VertexId],
@@ -193,18 +247,7 @@ impl Places {
         Ok(found)
     }
 
-    /// Whether the search has ended.
-    pub fn is_done(&self) -> bool {
-        self.stage == Stage::Done
-    }
-
-    /// ½ ∫ w_E u² with the cones at hand.
-    pub fn energy(&self) -> f64 {
-        self.energy
-    }
-
-    /// The cones, by ascending vertex; corners of the boundary left out.
-    pub fn cones(&self, flow: &ConeFlow) -> Vec<Cone> {
+    fn cones(&self, flow: &ConeFlow) -> Vec<Cone> {
         let system = &flow.problem.system;
         let cone = |&i: &u32| Cone {
             vertex: VertexId(system.dofs[i as usize]),
@@ -213,9 +256,7 @@ impl Places {
         self.places.iter().map(cone).filter(|cone| cone.angle.abs() > NOTHING).collect()
     }
 
-    /// One cone more or less, one round of moves, or one round of exchanges. **Takes** the flow that it was made with. **Costs** some tens
-    /// of solves.
-    pub fn step(&mut self, flow: &mut ConeFlow) -> Result<(), SolveError> {
+    fn step(&mut self, flow: &mut ConeFlow) -> Result<(), SolveError> {
         let problem = &mut flow.problem;
         self.with_bounds(problem, |found, problem| {
             let goes_on = match found.stage {
