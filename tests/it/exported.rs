@@ -1,4 +1,4 @@
-//! Exported files are safe to cut: no triangle turned over, nothing covered twice. Checked here from the text of the files alone, in whole
+//! Exported files are safe to cut: no triangle turned over, nothing covered twice. Checked here from the bytes of the files alone, in whole
 //! numbers, with nothing of what the engine uses for it.
 
 use std::collections::BTreeMap;

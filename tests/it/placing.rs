@@ -246,6 +246,21 @@ fn no_cones_come_where_they_are_excluded() {
 }
 
 #[test]
+fn two_places_for_a_whole_sphere_are_refused_with_what_they_allow() {
+    let surface = Surface::sample("plush_bear");
+    let excluded = (0..surface.mesh.vertex_count()).map(|v| v != 40 && v != 700).collect();
+    let fields = ConeFields { excluded, ..ConeFields::default() };
+    // Within a full turn each they could do it; half a turn is the most that this search gives without a bound.
+    let mut flow =
+        ConeFlow::new(&surface.mesh, &surface.geometry, &ConeParams::default(), &fields).unwrap();
+    let error = Places::new(&mut flow, &[], &[], &[], 9).unwrap_err();
+    let SolveError::Cones(ConeError::OutOfBounds { needed, most, .. }) = error else {
+        panic!("{error}")
+    };
+    assert!((needed - 2.0 * TAU).abs() < 1e-9 && (most - TAU).abs() < 1e-9);
+}
+
+#[test]
 fn too_few_cones_for_the_total_angle_say_what_it_needs() {
     let surface = Surface::sample("plush_bear");
     let mut flow = flow(&surface, &ConeFields::default());

@@ -49,6 +49,7 @@ export function pathPanel(on) {
   );
   const note = h("p", { class: "fine", hidden: true });
   const node = h("div", { class: "path", hidden: true }, h("div", { class: "pathplot" }, svg, over));
+  const plot = node.firstElementChild;
   // Below the sliders, which are not to move away under a hand.
   const foot = h("div", { class: "pathfoot", hidden: true }, note, edited);
   new ResizeObserver(([{ contentRect }]) => {
@@ -114,6 +115,7 @@ export function pathPanel(on) {
     svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
     // An exact number of cones is on no path.
     const at = now?.is_placed ? null : now;
+    plot.hidden = Boolean(now?.is_placed) && points.length === 0;
     const shown = at?.raw_count ?? at?.cones.length ?? 0;
     // Alone the point stands in the middle: nothing is known of the numbers beside it.
     const most = Math.max(1, points.length > 0 ? shown : 4 * shown, ...points.map((point) => point.count));

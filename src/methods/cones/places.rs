@@ -6,13 +6,13 @@
 //! minimise ½ uᵀM u over places and angles of so many cones, within their bounds, adding up to 2πχ on closed components,
 //!
 //! which is not convex in the places. With the places given the angles are the small dense problem of [`super::greens`] with price 0. φ,
-//! its dual variable, is 0 at the cones, and says at every other vertex what a cone there would gain at first. From the places at hand
-//! (merged cones of an optimum) cones are taken away or added one by one, then each moves to a neighbour as long as that helps, then
-//! one is tried at the peaks of |φ| in place of the one that is missed least. All of these are decided by the exact energy: among places whose
-//! Green's functions are known it is a quadratic function of the angles.
+//! its dual variable, is 0 at the cones, and says at every other vertex what a cone there would gain at first. More cones than are wanted
+//! move up its slope as long as that helps; those that are missed least are taken away one by one; the rest move on; then one is tried at
+//! the peaks of |φ| in place of the one that is missed least. All of these are decided by the exact energy: among places whose Green's
+//! functions are known it is a quadratic function of the angles.
 //!
-//! Guaranteed: the energy falls with every change at one number of cones; at the end no cone gains by moving to the two neighbours that
-//! promise most, and no exchange with one of the highest peaks gains. Not guaranteed: the best places of all.
+//! Guaranteed: the energy falls with every change at one number of cones; at the end none of the moves that promise most gains, and no
+//! exchange with one of the highest peaks. Not guaranteed: the best places of all.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -119,9 +119,22 @@ impl Places {
         held: &[VertexId],
         count: usize,
     ) -> Result<Self, SolveError> {
-        let mut searches = vec![Search::new(flow, &[], pinned, held, count)?];
-        if !start.is_empty() {
-            searches.insert(0, Search::new(flow, start, pinned, held, count)?);
+        let parts = parts(flow);
+        if let Some(part) = parts.iter().find(|part| part.needed > part.members.len()) {
+            let most = part.rest.signum() * part.bound * part.members.len() as f64;
+            let vertex = part.members.first().map_or(0, |&i| flow.problem.system.dofs[i]);
+            let [least, most] = [most.min(0.0), most.max(0.0)];
+            let (vertex, needed) = (VertexId(vertex), part.rest);
+            return Err(ConeError::OutOfBounds { vertex, needed, least, most }.into());
+        }
+        let needed = flow.fields.fixed.len() + parts.iter().map(|part| part.needed).sum::<usize>();
+        if needed > count {
+            return Err(ConeError::TooFew { count, needed }.into());
+        }
+        let spread = spread_evenly(flow, &parts);
+        let mut searches = Vec::new();
+        for start in [start, &spread].into_iter().skip(usize::from(start.is_empty())) {
+            searches.extend(Search::new(flow, start, [pinned, held], count)?);
         }
         Ok(Self(searches))
     }
@@ -158,26 +171,13 @@ impl Places {
 }
 
 impl Search {
-    /// As [`Places::new`].
+    /// As [`Places::new`]; none where there are too many cones to begin with and the largest of them have no room for the others.
     fn new(
         flow: &mut ConeFlow,
         start: &[Cone],
-        pinned: &[VertexId],
-        held: &[VertexId],
+        [pinned, held]: [&[VertexId]; 2],
         count: usize,
-    ) -> Result<Self, SolveError> {
-        let parts = parts(flow);
-        let needed = flow.fields.fixed.len() + parts.iter().map(|part| part.needed).sum::<usize>();
-        if needed > count {
-            return Err(ConeError::TooFew { count, needed }.into());
-        }
-        let spread;
-        let start = if start.is_empty() {
-            spread = spread_evenly(flow, &parts);
-            &spread[..]
-        } else {
-            start
-        };
+    ) -> Result<Option<Self>, SolveError> {
         flow.evaluate(start)?;
         let problem = &mut flow.problem;
         let dofs = problem.system.len();
@@ -210,10 +210,8 @@ impl Search {
         let among = |vertices: &[VertexId]| -> BTreeSet<u32> {
             vertices.iter().map(dof).filter(|i| places.contains(i)).collect()
         };
-        let held_vertices = held;
         let (held, stay) = (among(held), &among(pinned) | &among(held));
-        let is_many = places.len() > count + MOST_MORE;
-        if is_many {
+        if places.len() > count + MOST_MORE {
             // A spread optimum: the largest of its cones are a start.
             let mut order: Vec<u32> = places.difference(&stay).copied().collect();
             let size = |i: &u32| set.angles[*i as usize].abs();
@@ -226,8 +224,7 @@ impl Search {
             }
             share_out(problem, [&low, &high], &mut set.angles, &order, &mut rest);
             if rest.iter().any(|rest| rest.abs() > NOTHING) {
-                // Those have no room for the others, or a part has none of them.
-                return Self::new(flow, &[], pinned, held_vertices, count);
+                return Ok(None);
             }
         }
         let mut found = Self {
@@ -244,7 +241,7 @@ impl Search {
             stage: Stage::Grow,
         };
         found.with_bounds(problem, |found, problem| found.fit(problem));
-        Ok(found)
+        Ok(Some(found))
     }
 
     fn cones(&self, flow: &ConeFlow) -> Vec<Cone> {
@@ -355,7 +352,7 @@ impl Search {
         let all: Vec<u32> = places.difference(&self.held).copied().collect();
         share_out(problem, bounds, &mut set.angles, &fresh, &mut rest);
         share_out(problem, bounds, &mut set.angles, &all, &mut rest);
-        if rest.iter().any(|rest| rest.abs() > 1e-9) {
+        if rest.iter().any(|rest| rest.abs() > NOTHING) {
             return None;
         }
         for &i in &self.places {
@@ -595,6 +592,8 @@ struct Part {
     rest: f64,
     /// The fewest that can.
     needed: usize,
+    /// Largest size of one of them on that side.
+    bound: f64,
     /// Where they may be.
     members: Vec<usize>,
 }
@@ -612,15 +611,15 @@ fn parts(flow: &ConeFlow) -> Vec<Part> {
         let rest = component.total - corners - fixed.map(|fixed| fixed.1).sum::<f64>();
         let members: Vec<usize> = own.filter(|&i| open[i]).collect();
         if !component.is_floating || rest.abs() < NOTHING {
-            return Part { rest: 0.0, needed: 0, members };
+            return Part { rest: 0.0, needed: 0, bound: 0.0, members };
         }
         let bound = |i: usize| {
             let [least, most] = usual(problem, i);
             if rest > 0.0 { most } else { -least }
         };
         let bound = members.iter().fold(0.0, |m: f64, &i| m.max(bound(i)));
-        let needed = (rest.abs() / bound - NOTHING).ceil();
-        Part { rest, needed: needed as usize, members }
+        let needed = (rest.abs() / bound.max(f64::MIN_POSITIVE) - NOTHING).ceil();
+        Part { rest, needed: needed as usize, bound, members }
     };
     system.components.iter().enumerate().map(part).collect()
 }

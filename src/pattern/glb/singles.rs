@@ -19,7 +19,7 @@ const ROUNDS: usize = 4;
 /// Rounds places in the unit square.
 ///
 /// **Takes** a place for each vertex of a mesh. **Gives** them rounded. Triangles whose sides are those of the places before
-/// keep them, but for some that have no room among their neighbours: none was ever met.
+/// keep them, but for some that have no room among their neighbours: no test mesh has one.
 pub(super) fn rounded(mesh: &Mesh, places: &[[f64; 2]]) -> Vec<[f32; 2]> {
     let mut singles: Vec<[f32; 2]> = places.iter().map(|place| place.map(single)).collect();
     let corners = |f: usize| mesh.triangles()[f].map(VertexId::index);

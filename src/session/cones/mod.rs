@@ -314,6 +314,7 @@ impl Cones {
             None => {
                 let begun = measures::places(&mut solver.flow, count, &self.edits, surface);
                 self.placing = Some(begun.map_err(wrong)?);
+                self.rounds = 0;
                 Ok(())
             }
         }

@@ -16,7 +16,7 @@ use crate::methods::cones::{
     ConeBoundary, ConeFields, ConeMethod, ConeParams, ConeTarget, feature_size_weights,
 };
 
-/// Price of the optimum whose cones an exact number of them begins with: some tens on most surfaces.
+/// Price of the optimum whose merged cones the search for an exact number begins with.
 const START: f64 = 0.005;
 
 /// The options of the solver.

@@ -35,20 +35,18 @@ impl Work {
             let text = "These cones are the optimum again; Undo brings the changes by hand back.";
             notes.push(text.into());
         }
-        if self.cones.is_placed() && set.cones.is_empty() {
-            // None was asked for, and none is there.
-        } else if self.cones.is_placed() {
-            notes.push(format!(
-                "{} where local search found them to distort least: ∫u² is {:.4} at a total angle of {:.3} π. Other places may be better still.",
-                plural(set.count(), "cone"),
-                set.int_u2,
-                set.total_angle / PI
-            ));
+        if self.cones.is_placed() {
+            if set.count() > 0 {
+                notes.push(format!(
+                    "{} where local search found them to distort least: ∫u² is {:.4} at a total angle of {:.3} π. Other places may be better still.",
+                    plural(set.count(), "cone"),
+                    set.int_u2,
+                    set.total_angle / PI
+                ));
+            }
             let wanted = self.settings.number("exact_count");
             if (set.count() as f64) < wanted {
-                notes.push(format!(
-                    "That is less than {wanted}: more would not lower the distortion."
-                ));
+                notes.push(format!("Less than {wanted}: more would not lower the distortion."));
             }
         } else if state.is_convex {
             notes.push(
