@@ -39,7 +39,7 @@ export function distortionPlot(host, choice) {
     // Rivals have no price.
     const isEnough = points.length + (isPrice ? 0 : rivals.length) + (here ? 1 : 0) > 1;
     hint.hidden = isEnough;
-    hint.textContent = isWhole && points.length === 0 ? "The cones are the same for every λ: there is no path." : now ? "Trace path shows here what each number of cones would leave." : "What the cones buy appears here.";
+    hint.textContent = isWhole && points.length === 0 ? "The cones are the same for every λ: there is no path." : now?.isPlaced ? "Compare with greedy shows both here." : now ? "Trace path shows here what each number of cones would leave." : "What the cones buy appears here.";
     svg.toggleAttribute("hidden", !isEnough);
     if (!isEnough || width < 120 || height < 60) return;
     const { nodes, label } = DRAWINGS[choice.value]({ points, now: here, rivals, width, height });
