@@ -201,16 +201,17 @@ impl<'a> Problem<'a> {
 
     /// Every edge that joins an interior vertex to a rim vertex, and its weight.
     fn rim_edges(&self) -> Vec<(VertexId, VertexId, f64)> {
-        let edge = |e: EdgeId| {
-            let [a, b] = self.mesh.edge_vertices(e);
-            let weight = self.edge_weights[e.index()];
-            match (self.roles[a.index()], self.roles[b.index()]) {
-                (Role::Interior, Role::Rim) => Some((a, b, weight)),
-                (Role::Rim, Role::Interior) => Some((b, a, weight)),
-                _ => None,
-            }
-        };
-        self.mesh.edges().filter_map(edge).collect()
+        let mut edges = Vec::new();
+        for &h in self.charts.iter().flatten().flatten() {
+            let rim = self.mesh.tail(h);
+            let leaving = self.mesh.outgoing(rim);
+            edges.extend(leaving.map(|h| (h.edge(), self.mesh.tip(h), rim)));
+        }
+        edges.retain(|&(_, v, _)| self.is_interior(v));
+        edges.sort_unstable();
+        let weighed =
+            |(e, inside, rim): (EdgeId, _, _)| (inside, rim, self.edge_weights[e.index()]);
+        edges.into_iter().map(weighed).collect()
     }
 
     /// Calls with every edge that joins two rim vertices, and its weight.

@@ -195,8 +195,12 @@ impl Flattening {
     ) -> Packing {
         let patch_count = self.charts.len();
         let outlines: Vec<_> = (0..patch_count).map(|p| self.outline(opened, p)).collect();
-        let mut landmarks = vec![Vec::new(); patch_count];
         let patches = opened.vertex_patches();
+        let mut counts = vec![0; patch_count];
+        for &patch in patches.iter().take(own_vertices) {
+            counts[patch as usize] += 1;
+        }
+        let mut landmarks: Vec<_> = counts.into_iter().map(Vec::with_capacity).collect();
         for (v, place) in self.uv.iter().enumerate().take(own_vertices) {
             if place.x.is_finite() {
                 landmarks[patches[v] as usize].push((small(v), *place));

@@ -80,6 +80,14 @@ const TOWARDS: [f64; 2] = [0.94, 0.34];
 /// while a cut moves; more, and they shrink on the screen.
 const KEEP_LAYOUT: f64 = 1.2;
 
+/// Landmarks of a chart that are looked at to recognise it and to turn it: more tell nothing new.
+const LANDMARKS: usize = 1000;
+
+/// Some landmarks of a shape, evenly from all.
+fn some_landmarks<'a>(shape: &Shape<'a>) -> impl Iterator<Item = &'a (u32, Point2<f64>)> + use<'a> {
+    shape.landmarks.iter().step_by(shape.landmarks.len() / LANDMARKS + 1)
+}
+
 /// Lays charts out on a sheet.
 ///
 /// **Takes** shapes; the gap between them; the last layout, if the next is to stay like it. Charts are recognised by their
@@ -135,7 +143,7 @@ pub fn pack(shapes: &[Shape], gap: f64, previous: Option<&Packing>) -> Packing {
     } else {
         extent(&corners, &tiles).add_scalar(-gap)
     };
-    let mut landmarks = Vec::new();
+    let mut landmarks = Vec::with_capacity(shapes.iter().map(|s| s.landmarks.len()).sum());
     for (i, shape) in shapes.iter().enumerate() {
         let turn = poses[i].turn();
         for &(name, p) in shape.landmarks {
@@ -153,7 +161,7 @@ fn ancestors(shapes: &[Shape], previous: &Packing) -> Vec<Option<u32>> {
     let mut votes = Vec::new();
     for (i, shape) in shapes.iter().enumerate() {
         let mut counts = vec![0usize; previous.poses.len()];
-        for (name, _) in shape.landmarks {
+        for (name, _) in some_landmarks(shape) {
             if let Some(Some((ancestor, _))) = previous.landmarks.get(*name as usize) {
                 counts[*ancestor as usize] += 1;
             }
@@ -181,9 +189,7 @@ fn last_angle(
     ancestors: &[Option<u32>],
     previous: &Packing,
 ) -> Option<f64> {
-    let common: Vec<(Vector2<f64>, Vector2<f64>)> = shape
-        .landmarks
-        .iter()
+    let common: Vec<(Vector2<f64>, Vector2<f64>)> = some_landmarks(shape)
         .filter_map(|(name, p)| {
             let (ancestor, last) = (*previous.landmarks.get(*name as usize)?)?;
             (Some(ancestor) == ancestors[i]).then_some((p.coords, last.coords))

@@ -42,10 +42,12 @@ impl<'a> Block<'a> {
     /// x ← L⁻¹ x as far as these columns go.
     #[inline(always)]
     fn forward<const N: usize>(&self, x: &mut [[f64; N]], below: &mut Vec<[f64; N]>) {
+        let own = self.start..self.start + self.width;
+        // Right-hand sides that are zero but for a rim or a few points stay so in most of the tree.
+        let Some(first) = x[own.clone()].iter().position(|x| !is_zero(x)) else { return };
         below.clear();
         below.resize(self.rows.len(), [0.0; N]);
-        let own = self.start..self.start + self.width;
-        for j in 0..self.width {
+        for j in first..self.width {
             let column = self.column(j);
             let pivot = &mut x[own.start + j];
             pivot.iter_mut().for_each(|p| *p /= column[j]);
@@ -81,6 +83,11 @@ impl<'a> Block<'a> {
             }
         }
     }
+}
+
+#[inline(always)]
+fn is_zero<const N: usize>(x: &[f64; N]) -> bool {
+    x.iter().all(|x| x.abs() <= 0.0)
 }
 
 #[inline(always)]
@@ -172,6 +179,9 @@ fn by_columns<const N: usize>(
         (values[0], rows[1..].iter().map(|&row| row as usize).zip(&values[1..]))
     };
     for j in 0..x.len() {
+        if is_zero(&x[j]) {
+            continue;
+        }
         let (diagonal, below) = column(j);
         x[j].iter_mut().for_each(|x| *x /= diagonal);
         let pivot = x[j];

@@ -106,6 +106,14 @@ impl Session {
             let text = "What was painted belonged to the mesh before: the cut starts from normal clusters.";
             document.summary.notices.push(NoticeText::new("paint_dropped", 1, text));
         }
+        if self.work.is_some()
+            && !label.starts_with("open ")
+            && settings.text("phase_start") == "painted"
+        {
+            settings.put("phase_start", Value::Text("axes".into()));
+            let text = "What was painted belonged to the mesh before: divisions start along the axes of inertia.";
+            document.summary.notices.push(NoticeText::new("paint_dropped", 1, text));
+        }
         let method = self.opening.take().unwrap_or(self.method());
         let is_cut_flow = method == Method::CutFlow;
         let is_large = document.surface.is_some() && document.triangles.len() > SHOWN_FIRST;

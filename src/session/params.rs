@@ -145,10 +145,15 @@ impl Settings {
         match (&spec.kind, &value) {
             (ParamKind::Number { min, max, integer, .. }, Value::Number(x)) => {
                 if !(x >= min && x <= max) {
+                    let unit = if spec.unit.is_empty() {
+                        String::new()
+                    } else {
+                        format!(" {}", spec.unit)
+                    };
                     return Err(Problem::new(
                         format!("{x} is out of range."),
                         place,
-                        format!("Choose a number from {min} to {max}."),
+                        format!("Choose a number from {min} to {max}{unit}."),
                     ));
                 }
                 if *integer && x.fract().abs() > 0.0 {

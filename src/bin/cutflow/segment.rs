@@ -25,6 +25,8 @@ enum PhaseStart {
     Random,
     /// By normals.
     Normals,
+    /// From regions that `--paint region=FILE` brings.
+    Painted,
 }
 
 #[derive(Args)]
@@ -180,9 +182,21 @@ fn begin(
 ) -> Result<Session, Problem> {
     let document = open(mesh)?;
     document.surface()?;
-    let settings = settings(&document, method, options, common)?;
+    let mut settings = settings(&document, method, options, common)?;
     if let Some(folder) = &common.output {
         make_folder(folder)?;
+    }
+    let is_brought = common.paint.iter().any(|text| text.starts_with("region="));
+    if method == Method::PhaseField && settings.text("phase_start") == "painted" {
+        if !is_brought {
+            return Err(Problem::new(
+                "Nothing to start from: there are no regions.",
+                "Start of the divisions.",
+                "Bring a label for each vertex by --paint region=FILE, or choose another start.",
+            ));
+        }
+        // Bringing regions chooses this start.
+        settings.set("phase_start", Value::Text("axes".into()))?;
     }
     let mut session = Session::new();
     tell(session.handle(Command::SetMethod { id: method.id().into() }))?;
@@ -216,6 +230,7 @@ pub fn phasefield(args: &PhaseFieldArgs) -> Result<(), Problem> {
         PhaseStart::Axes => "axes",
         PhaseStart::Random => "random",
         PhaseStart::Normals => "normals",
+        PhaseStart::Painted => "painted",
     });
     let options = [
         ("levels", number(args.levels)),

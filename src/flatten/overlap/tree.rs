@@ -35,10 +35,11 @@ impl Bounds {
 
     /// Whether two boxes have a point in common, on their sides or inside.
     fn meets(&self, other: &Self) -> bool {
-        self.low[0] <= other.high[0]
-            && other.low[0] <= self.high[0]
-            && self.low[1] <= other.high[1]
-            && other.low[1] <= self.high[1]
+        // All four at once: a branch for each would be guessed wrong too often.
+        (self.low[0] <= other.high[0])
+            & (other.low[0] <= self.high[0])
+            & (self.low[1] <= other.high[1])
+            & (other.low[1] <= self.high[1])
     }
 
     /// Whether the insides of two boxes have a point in common.

@@ -163,7 +163,7 @@ impl LevelSets {
         let mesh = &problem.mesh;
         let places = Places::new(problem, cut);
         let mut candidates = Candidates::new(mesh.vertex_count());
-        let mut ring: Vec<VertexId> = Vec::new();
+        let (mut band, mut ring): (Vec<VertexId>, Vec<VertexId>) = Default::default();
         let mut near_labels: Vec<u64> = Vec::new();
         for crossed in &cut.faces {
             let count = if crossed.lone == 3 { 3 } else { 1 };
@@ -224,7 +224,7 @@ impl LevelSets {
                 };
                 offers.extend(near.iter().copied().filter(is_news).map(|segment| (w, segment)));
             }
-            ring.clear();
+            band.append(&mut ring);
             for &(w, segment) in &offers {
                 if candidates.is_empty(w) {
                     ring.push(w);
@@ -234,9 +234,11 @@ impl LevelSets {
             }
         }
 
+        band.append(&mut ring);
+
         let mut result = Self {
             labels: kept.labels.clone(),
-            starts: Vec::with_capacity(mesh.vertex_count() + 1),
+            starts: vec![0; mesh.vertex_count() + 1],
             entry_labels: Vec::with_capacity(candidates.len()),
             values: Vec::with_capacity(candidates.len()),
             far: FAR * mean_edge,
@@ -245,11 +247,11 @@ impl LevelSets {
         let mut near_labels = &near_labels[..];
         let slopes = Slopes::new(problem, cut);
         let mut list: Vec<(u32, Nearest)> = Vec::new();
-        for v in mesh.vertices() {
-            result.starts.push(result.values.len() as u32);
-            if candidates.is_empty(v) {
-                continue;
-            }
+        let mut started = 0;
+        band.sort_unstable();
+        for &v in &band {
+            result.starts[started..=v.index()].fill(result.values.len() as u32);
+            started = v.index() + 1;
             list.clear();
             candidates.for_each(v, |label, nearest| list.push((label, *nearest)));
             list.sort_unstable_by_key(|(label, _)| *label);
@@ -274,7 +276,7 @@ impl LevelSets {
                 response.rows.push(row);
             }
         }
-        result.starts.push(result.values.len() as u32);
+        result.starts[started..].fill(result.values.len() as u32);
         (result, response)
     }
 }

@@ -7,7 +7,6 @@ use super::domain::{Domain, scale_of};
 use super::lbfgs::Descent;
 use super::objective::{Member, Objective, Prices, SplitTerms};
 use super::params::{PhaseFieldParams, Start};
-use super::profile::indicator;
 use super::start;
 use super::state::{PhaseFieldState, PhaseNode};
 use super::terms::connected::edge;
@@ -20,6 +19,9 @@ use crate::methods::flow::{Flow, SolveError, Status, StepReport};
 
 /// Iterations over which convergence is judged.
 const WINDOW: usize = 10;
+
+/// How often islands are given up: areas are kept by moving the interface, which may leave others.
+const ISLANDS: usize = 4;
 
 /// Share of the whole area below which a segment is not split.
 const SMALLEST: f64 = 1e-6;
@@ -257,24 +259,31 @@ impl PhaseFieldFlow {
     ///
     /// **Costs** two factorisations and two solves.
     pub fn scale_factors(&self, node: usize) -> Result<Vec<f64>, SolveError> {
+        let mut sum = vec![0.0; self.domain.len()];
+        if self.progress.state.nodes.get(node).is_some_and(|n| n.children.is_some()) {
+            for s in self.side_scales(node)? {
+                sum.iter_mut().zip(s).for_each(|(sum, s)| *sum -= s);
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Minus the log scale factor of each side of a split.
+    fn side_scales(&self, node: usize) -> Result<[Vec<f64>; 2], SolveError> {
         let domain = &self.domain;
-        let mut sum = vec![0.0; domain.len()];
-        let Some(split) = self.progress.state.nodes.get(node).filter(|n| n.children.is_some())
-        else {
-            return Ok(sum);
-        };
+        let split = &self.progress.state.nodes[node];
         let mut solver = Yamabe::default();
+        let reach = self.params.reach();
         let (u_faces, w_faces) = (domain.face_means(&split.u), domain.face_means(&split.weight));
-        for sign in [1.0, -1.0] {
+        let mut side = |sign: f64| {
             let indicated = |u: &[f64], w: &[f64]| -> Vec<f64> {
-                u.iter().zip(w).map(|(u, w)| w * indicator(sign * u).0).collect()
+                u.iter().zip(w).map(|(u, w)| w * reach(sign * u).0).collect()
             };
             let y = indicated(&split.u, &split.weight);
             let y_faces = indicated(&u_faces, &w_faces);
-            let s = solver.solve(domain, [&y, &y_faces], self.params.lambda())?;
-            sum.iter_mut().zip(s).for_each(|(sum, s)| *sum -= s);
-        }
-        Ok(sum)
+            solver.solve(domain, [&y, &y_faces], self.params.lambda())
+        };
+        Ok([side(1.0)?, side(-1.0)?])
     }
 
     /// The surface refined along the borders of the leaves: points `0..V` are the vertices.
@@ -379,15 +388,18 @@ impl PhaseFieldFlow {
         let (mut fields, mut directions) = (Vec::new(), Vec::new());
         for &node in &members {
             let weight = &nodes[node].weight;
-            if is_warm {
-                fields.extend_from_slice(&nodes[node].u);
-            } else {
-                let field = start::field(&self.domain, &self.params, weight, node, attempt)?;
-                fields.extend(field);
+            let at_hand = is_warm
+                .then(|| start::moved(&self.domain, &self.params, weight, &nodes[node].u))
+                .flatten();
+            match at_hand {
+                Some(field) => fields.extend(field),
+                None => {
+                    let field = start::field(&self.domain, &self.params, weight, node, attempt)?;
+                    fields.extend(field);
+                }
             }
             let u = &fields[fields.len() - weight.len()..];
-            // As `Objective::directions` has them.
-            directions.extend(u.iter().zip(&**weight).map(|(&u, w)| w * (indicator(u).1 + 0.01)));
+            directions.extend(Objective::direction(u, weight));
         }
         let descent = Descent::new(&self.domain, &mut objective, &fields, &directions)?;
         if !descent.at.value.is_finite() {
@@ -489,14 +501,22 @@ impl PhaseFieldFlow {
             let best = job.best.take();
             return self.begin(members, attempt, false, best);
         }
-        let Some(best) = job.best.take() else { return Ok(()) };
+        let Some(mut best) = job.best.take() else { return Ok(()) };
+        if self.params.is_connected {
+            self.give_up_islands(&members, &mut best)?;
+        }
         let n = self.domain.len();
         let is_single = members.len() == 1;
         for (i, &node) in members.iter().enumerate() {
             self.progress.state.put(node, &best.u[i * n..(i + 1) * n]);
-            if self.params.is_connected {
-                let e1 = edge(self.params.epsilon);
-                self.progress.state.give_up_islands(&self.domain.mesh, node, e1);
+        }
+        for (i, &node) in members.iter().enumerate() {
+            if !(self.params.omega > 0.0) {
+                // What it costs nothing is worth knowing all the same.
+                let mass = &self.domain.mass;
+                let loss =
+                    |s: Vec<f64>| -> f64 { s.iter().zip(mass).map(|(s, m)| s * s * m).sum() };
+                best.terms[i].yamabe = self.side_scales(node)?.map(loss).iter().sum();
             }
             let node = &mut self.progress.state.nodes[node];
             node.terms = best.terms[i];
@@ -514,6 +534,29 @@ impl PhaseFieldFlow {
             self.progress.joint_end = best.end;
         }
         self.begin_next()
+    }
+
+    /// Gives up the islands of finished splits; their areas stay what was asked for.
+    fn give_up_islands(&mut self, members: &[usize], best: &mut Best) -> Result<(), SolveError> {
+        let n = self.domain.len();
+        let e1 = edge(self.params.epsilon);
+        for _ in 0..ISLANDS {
+            let mut is_changed = false;
+            let mut directions = Vec::with_capacity(best.u.len());
+            for (&node, u) in members.iter().zip(best.u.chunks_mut(n)) {
+                let state = &mut self.progress.state;
+                state.put(node, u);
+                if let Some(without) = state.give_up_islands(&self.domain.mesh, node, e1) {
+                    u.copy_from_slice(&without);
+                    is_changed = true;
+                }
+                directions.extend(Objective::direction(u, &state.nodes[node].weight));
+            }
+            let Some(objective) = self.objective.as_mut().filter(|_| is_changed) else { break };
+            let at = objective.evaluate(&self.domain, &best.u, &directions)?;
+            (best.u, best.terms) = (at.u, at.terms);
+        }
+        Ok(())
     }
 
     fn report(&self) -> StepReport {

@@ -59,13 +59,15 @@ pub(super) struct Evaluation {
 }
 
 /// Which terms count how much.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Prices {
     pub epsilon: f64,
     pub sigma: f64,
     pub fraction: f64,
     pub omega: f64,
     pub lambda: f64,
+    /// Of distortion: see [`PhaseFieldParams::reach`].
+    pub reach: fn(f64) -> (f64, f64),
     /// Of unconnected phases.
     pub parts: f64,
 }
@@ -80,6 +82,7 @@ impl Prices {
             fraction: params.fraction,
             omega: params.omega,
             lambda: params.lambda(),
+            reach: params.reach(),
             parts: if is_connected { epsilon.powf(-params.kappa) } else { 0.0 },
         }
     }
@@ -185,7 +188,7 @@ impl Objective {
         w: &[f64],
         [by_field, by_weight]: [&mut [f64]; 2],
     ) -> Result<SplitTerms, LinalgError> {
-        let Prices { epsilon, sigma, omega, lambda, parts, .. } = self.prices;
+        let Prices { epsilon, sigma, omega, lambda, reach, parts, .. } = self.prices;
         let mut split = SplitTerms::default();
         let is_free = self.members[member].parent.is_some();
         let made;
@@ -233,8 +236,8 @@ impl Objective {
                 );
             }
             if omega > 0.0 {
-                let y: Vec<f64> = u.iter().zip(w).map(|(u, w)| w * indicator(sign * u).0).collect();
-                let chi: Vec<_> = u_faces.iter().map(|u| indicator(sign * u)).collect();
+                let y: Vec<f64> = u.iter().zip(w).map(|(u, w)| w * reach(sign * u).0).collect();
+                let chi: Vec<_> = u_faces.iter().map(|u| reach(sign * u)).collect();
                 let y_faces: Vec<f64> = chi.iter().zip(&w_faces).map(|(c, w)| c.0 * w).collect();
                 let mut by_y = vec![0.0; y.len()];
                 let mut by_y_face = vec![0.0; y_faces.len()];
@@ -246,7 +249,7 @@ impl Objective {
                     [&mut by_y, &mut by_y_face],
                 )?;
                 for (v, g) in by_y.iter().enumerate() {
-                    let (chi, slope) = indicator(sign * u[v]);
+                    let (chi, slope) = reach(sign * u[v]);
                     by_field[v] += g * w[v] * sign * slope;
                     if let Some(by_weight) = by_weight.get_mut(v) {
                         *by_weight += g * chi;
@@ -272,8 +275,13 @@ impl Objective {
 
     /// Directions w χ′(u) along which fields are moved to their areas from there.
     pub fn directions(&self, at: &Evaluation) -> Vec<f64> {
+        Self::direction(&at.u, &at.weights).collect()
+    }
+
+    /// The direction of one field with the weight of its segment.
+    pub fn direction(u: &[f64], w: &[f64]) -> impl Iterator<Item = f64> {
         // A little everywhere: a field of ±1 alone must be able to move as well.
-        at.u.iter().zip(&at.weights).map(|(&u, w)| w * (indicator(u).1 + 0.01)).collect()
+        u.iter().zip(w).map(|(&u, w)| w * (indicator(u).1 + 0.01))
     }
 
     /// The gradient of F by trial fields at the fields of an evaluation, when areas are kept along `directions`.

@@ -4,6 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::domain::Domain;
 use super::params::{PhaseFieldParams, Start};
+use super::profile::indicator;
+use crate::geometry::geodesic_distances_from;
 use crate::linalg::{Factor, LinalgError, dot};
 use crate::methods::cutflow::uniform;
 
@@ -59,7 +61,7 @@ pub(super) fn field(
         Way::Axis(k) => {
             let points: Vec<Vector3<f64>> =
                 domain.geometry.positions.iter().map(|p| p.coords * domain.scale).collect();
-            across(&points, &mw, whole, k, params, 1.06 / params.epsilon)
+            across(&points, &mw, whole, k, params, STEEPNESS / params.epsilon)
         }
         Way::Normal(k) => {
             let normals: Vec<Vector3<f64>> = domain.geometry.vertex_normals(&domain.mesh);
@@ -103,6 +105,11 @@ fn across(
     // Which way an eigenvector points is chance.
     let axis = if axis[axis.iamax()] < 0.0 { -axis } else { axis };
     let heights: Vec<f64> = vectors.iter().map(|x| (x - mean).dot(&axis)).collect();
+    above_level(&heights, mw, params.fraction * whole, steepness)
+}
+
+/// Profile across the level above which heights have that area.
+fn above_level(heights: &[f64], mw: &[f64], target: f64, steepness: f64) -> Vec<f64> {
     let mut by_height: Vec<usize> = (0..heights.len()).collect();
     by_height.sort_by(|&a, &b| heights[b].total_cmp(&heights[a]));
     let mut area = 0.0;
@@ -110,12 +117,60 @@ fn across(
     for &v in &by_height {
         area += mw[v];
         level = heights[v];
-        if area >= params.fraction * whole {
+        if area >= target {
             break;
         }
     }
     heights.iter().map(|h| (steepness * (h - level)).tanh()).collect()
 }
+
+/// Share of a segment that a field may miss before its interface is moved as a whole.
+const FAR_OFF: f64 = 1e-3;
+
+/// A field whose area is about right: the field itself, or the profile across a curve beside its interface, at the same distance everywhere.
+/// Shifting values instead would turn whole phases grey.
+///
+/// **Gives** nothing where a field that is far off has no interface in the segment.
+pub(super) fn moved(
+    domain: &Domain,
+    params: &PhaseFieldParams,
+    w: &[f64],
+    u: &[f64],
+) -> Option<Vec<f64>> {
+    let mw: Vec<f64> = domain.mass.iter().zip(w).map(|(m, w)| m * w).collect();
+    let whole: f64 = mw.iter().sum();
+    let target = params.fraction * whole;
+    let area: f64 = mw.iter().zip(u).map(|(m, &u)| m * indicator(u).0).sum();
+    if (area - target).abs() <= FAR_OFF * whole {
+        return Some(u.to_vec());
+    }
+    let mut near = vec![f64::INFINITY; u.len()];
+    for e in domain.mesh.edges() {
+        let ends = domain.mesh.edge_vertices(e).map(|v| v.index());
+        if (u[ends[0]] >= 0.0) == (u[ends[1]] >= 0.0) || ends.iter().any(|&v| w[v] < 0.5) {
+            continue;
+        }
+        let length = domain.geometry.edge_length(e);
+        let share = u[ends[0]] / (u[ends[0]] - u[ends[1]]);
+        near[ends[0]] = near[ends[0]].min(length * share);
+        near[ends[1]] = near[ends[1]].min(length * (1.0 - share));
+    }
+    let sources: Vec<_> = domain.mesh.vertices().map(|v| (v, near[v.index()])).collect();
+    let sources: Vec<_> = sources.into_iter().filter(|(_, near)| near.is_finite()).collect();
+    if sources.is_empty() {
+        return None;
+    }
+    // Components without an interface lie farther than all others.
+    let distances = geodesic_distances_from(&domain.mesh, &domain.geometry, &sources);
+    let side = |(d, &u): (&f64, &f64)| if u >= 0.0 { *d } else { -d } * domain.scale;
+    let heights: Vec<f64> = distances.iter().zip(u).map(side).collect();
+    let mut u = above_level(&heights, &mw, target, STEEPNESS / params.epsilon);
+    u.iter_mut().zip(w).for_each(|(u, w)| *u *= w);
+    u.iter().all(|u| u.is_finite()).then_some(u)
+}
+
+/// The optimal profile of an interface is tanh of this times the distance over ε.
+const STEEPNESS: f64 = 1.0607;
 
 /// ±1 on every face, smoothed twice by (M + ℓ² L)⁻¹ M, of mean 0 and spread over (−1, 1).
 fn noise(domain: &Domain, mw: &[f64], whole: f64, seed: u64) -> Result<Vec<f64>, LinalgError> {

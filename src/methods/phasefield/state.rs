@@ -18,8 +18,6 @@ pub struct PhaseNode {
     pub level: usize,
     /// The phase field that splits it, one value for each vertex; empty if it is not split.
     pub u: Arc<Vec<f64>>,
-    /// Vertices in islands where the field reaches neither phase at any vertex: they lie on the other side than its sign says. Empty for none.
-    pub islands: Arc<Vec<bool>>,
     /// Its diffuse indicator χ^α at each vertex.
     pub weight: Arc<Vec<f64>>,
     /// The terms of its split.
@@ -47,7 +45,6 @@ impl PhaseNode {
             children: None,
             level,
             u: Arc::default(),
-            islands: Arc::default(),
             weight: Arc::new(weight),
             terms: SplitTerms::default(),
             objective: 0.0,
@@ -86,6 +83,22 @@ impl PhaseFieldState {
         self.leaves().into_iter().map(|leaf| self.nodes[leaf].weight.as_slice()).collect()
     }
 
+    /// The same without what is small beside the largest at a vertex: weights of overlapping charts.
+    ///
+    /// A field is near 0 outside of its segment, so that both its sides keep a little weight all along the segment's border; domains of all
+    /// that is positive would have long tails there. **Gives** weights that add up to 1.
+    pub fn chart_weights(&self) -> Vec<Vec<f64>> {
+        let mut weights: Vec<Vec<f64>> =
+            self.leaf_weights().into_iter().map(<[f64]>::to_vec).collect();
+        for v in 0..self.nodes[0].weight.len() {
+            let most = weights.iter().map(|w| w[v]).fold(0.0, f64::max);
+            weights.iter_mut().for_each(|w| w[v] = (w[v] - TAIL * most).max(0.0));
+            let sum: f64 = weights.iter().map(|w| w[v]).sum();
+            weights.iter_mut().for_each(|w| w[v] /= sum);
+        }
+        weights
+    }
+
     /// For each vertex the leaf that it lies in by the sides of the fields, as its place among [`PhaseFieldState::leaves`].
     pub fn labels(&self) -> Vec<u32> {
         let mut label_of = vec![0; self.nodes.len()];
@@ -104,8 +117,7 @@ impl PhaseFieldState {
     }
 
     pub(super) fn is_positive(&self, node: usize, v: usize) -> bool {
-        let node = &self.nodes[node];
-        (node.u[v] >= 0.0) != node.islands.get(v).copied().unwrap_or(false)
+        self.nodes[node].u[v] >= 0.0
     }
 
     /// The splits above a segment, each with whether the segment lies on its positive side.
@@ -149,14 +161,12 @@ impl PhaseFieldState {
     /// Where an edge between two leaves crosses from one to the other, from its first end.
     pub(super) fn crossing(&self, [a, b]: [usize; 2]) -> Option<f64> {
         let u = &self.nodes[self.parting([a, b])?].u;
-        // Edges of another triangulation may leave an island without crossing 0.
         ((u[a] >= 0.0) != (u[b] >= 0.0)).then(|| u[a] / (u[a] - u[b]))
     }
 
     /// Sets the field of a split; its sides are made if there are none.
     pub(super) fn put(&mut self, node: usize, u: &[f64]) {
         self.nodes[node].u = Arc::new(u.to_vec());
-        self.nodes[node].islands = Arc::default();
         if self.nodes[node].children.is_none() {
             let level = self.nodes[node].level + 1;
             let first = self.nodes.len();
@@ -168,49 +178,51 @@ impl PhaseFieldState {
         self.weigh_below(node);
     }
 
-    /// Computes the weights of everything below a split. What are islands there is not known until the splits below have been searched anew.
+    /// Computes the weights of everything below a split.
     fn weigh_below(&mut self, node: usize) {
         let mut stack = vec![node];
         while let Some(node) = stack.pop() {
             let Some(children) = self.nodes[node].children else { continue };
             let (w, u) = (self.nodes[node].weight.clone(), self.nodes[node].u.clone());
-            let islands = self.nodes[node].islands.clone();
             let mut positive = Vec::with_capacity(u.len());
             let mut negative = Vec::with_capacity(u.len());
-            for (v, (w, &u)) in w.iter().zip(&*u).enumerate() {
-                let is_island = islands.get(v).copied().unwrap_or(false);
-                let chi = indicator(if is_island { -u } else { u }).0;
+            for (w, &u) in w.iter().zip(&*u) {
+                let chi = indicator(u).0;
                 positive.push(w * chi);
                 negative.push(w * (1.0 - chi));
             }
             for (child, weight) in children.into_iter().zip([positive, negative]) {
                 self.nodes[child].weight = Arc::new(weight);
-                self.nodes[child].islands = Arc::default();
             }
             stack.extend(children);
         }
     }
 
-    /// Gives islands in which the field of a split reaches neither phase to what lies around them.
+    /// Gives islands in which the field of a split reaches neither phase to what lies around them: there it changes its sign.
     ///
     /// Connected phases are asked for above e₁ only: where a field passes 0 a little and comes back, as over the tip of a finger, nothing
-    /// draws that together. **Takes** e₁.
-    pub(super) fn give_up_islands(&mut self, mesh: &Mesh, node: usize, e1: f64) {
+    /// draws that together. **Takes** e₁. **Gives** the field where there were any.
+    pub(super) fn give_up_islands(
+        &mut self,
+        mesh: &Mesh,
+        node: usize,
+        e1: f64,
+    ) -> Option<Vec<f64>> {
+        let mut given_up = None;
         for _ in 0..ISLANDS_IN_ISLANDS {
-            let sides = self.sides(node);
-            let faint = faint_parts(mesh, &sides, &self.nodes[node].u, e1);
+            let faint = faint_parts(mesh, &self.sides(node), &self.nodes[node].u, e1);
             if !faint.contains(&true) {
                 break;
             }
-            let islands = Arc::make_mut(&mut self.nodes[node].islands);
-            islands.resize(sides.len(), false);
-            for (is_island, is_faint) in islands.iter_mut().zip(faint) {
-                *is_island ^= is_faint;
+            let mut u = self.nodes[node].u.to_vec();
+            for (u, _) in u.iter_mut().zip(faint).filter(|(_, is_faint)| *is_faint) {
+                // 0 is positive.
+                *u = if *u >= 0.0 { -u.max(f64::MIN_POSITIVE) } else { -*u };
             }
+            self.put(node, &u);
+            given_up = Some(u);
         }
-        if !self.nodes[node].islands.is_empty() {
-            self.weigh_below(node);
-        }
+        given_up
     }
 
     /// Leaves no more than a number of levels of splits.
@@ -224,6 +236,10 @@ impl PhaseFieldState {
         }
     }
 }
+
+/// Share of the largest weight at a vertex up to which others are tails: along the border of a segment of constant field they reach
+/// some .12.
+const TAIL: f64 = 0.2;
 
 /// How often islands are looked for again, after those in them were given up.
 const ISLANDS_IN_ISLANDS: usize = 4;

@@ -188,7 +188,7 @@ fn islands_that_reach_no_phase_lie_on_the_side_around_them() {
     let mut state = PhaseFieldState::whole(u.len());
     state.put(0, &u);
     assert_eq!(state.sides(0)[at(23, 6)], 0);
-    state.give_up_islands(&domain.mesh, 0, 0.6);
+    assert!(state.give_up_islands(&domain.mesh, 0, 0.6).is_some());
     let sides = state.sides(0);
     assert!(faint.iter().all(|&v| sides[v] == 1), "with what lies in it");
     assert!(strong.iter().all(|&v| sides[v] == 0), "this one is a phase");
@@ -197,8 +197,6 @@ fn islands_that_reach_no_phase_lie_on_the_side_around_them() {
     let weights = state.leaf_weights();
     assert!(faint.iter().all(|&v| weights[1][v] > 0.5));
     assert!((0..u.len()).all(|v| (weights[0][v] + weights[1][v] - 1.0).abs() < 1e-15));
-    // An edge that leaves the island without crossing 0, as another triangulation may have.
-    assert_eq!(state.crossing([at(23, 6), at(2, 0)]), None);
     // A field that reaches no phase anywhere still divides.
     state.put(0, &u.iter().map(|u| 0.1 * u).collect::<Vec<_>>());
     state.give_up_islands(&domain.mesh, 0, 0.6);

@@ -118,12 +118,6 @@ impl PhaseField {
         self.flow.as_ref().map(PhaseFieldFlow::cut_start)
     }
 
-    /// Diffuse indicators of the leaves at the vertices: they add up to 1.
-    pub fn leaf_weights(&self) -> Option<Vec<Vec<f64>>> {
-        let flow = self.flow.as_ref()?;
-        Some(flow.state().leaf_weights().into_iter().map(<[f64]>::to_vec).collect())
-    }
-
     /// The segment that is shown.
     fn shown(&self) -> usize {
         let Some(flow) = &self.flow else { return 0 };
@@ -328,7 +322,8 @@ impl Segmentation for PhaseField {
             Row::new("share", "First part", "%", 100.0 * state.tree()[0].terms.area_fraction),
             Row::new("interface", "Interface ∫ of the phase field", "√A", self.interface(flow)),
         ];
-        if flow.params().omega > 0.0 {
+        // Without a price it is measured at the end only.
+        if flow.params().omega > 0.0 || flow.current().is_none() {
             rows.push(Row::new("yamabe", "Diffuse distortion J", "", self.yamabe()));
         }
         if !self.measures.is_empty() {
@@ -367,13 +362,13 @@ impl Segmentation for PhaseField {
         let epsilon = flow.params().epsilon;
         if epsilon > 1.01 * self.asked {
             notes.push(format!(
-                "The interface is {epsilon:.3} wide in place of {:.3}: two edges of this mesh. Remesh it under Prepare for a thinner one.",
+                "The interface is {epsilon:.3} wide in place of {:.3}: two edges of this mesh. For a thinner one remesh it, under Prepare or by the command prepare with --tool remesh.",
                 self.asked
             ));
         }
         if let Some(small) = flow.epsilon_notice() {
             notes.push(format!(
-                "The mesh is too coarse for any interface: two of its edges span {:.3}. Remesh it under Prepare.",
+                "The mesh is too coarse for any interface: two of its edges span {:.3}. Remesh it, under Prepare or by the command prepare with --tool remesh.",
                 small.floor
             ));
         }
@@ -449,7 +444,8 @@ fn params(inputs: &Inputs) -> PhaseFieldParams {
         is_joint: settings.is_on("relax"),
         screening: match settings.text("screening") {
             "paper" => Screening::Paper,
-            _ => Screening::Sharp,
+            "sharp" => Screening::Sharp,
+            _ => Screening::Outside,
         },
         warm_up: whole("warm_up"),
         seed: whole("phase_seed") as u64,
@@ -479,7 +475,10 @@ impl Work {
             return None;
         }
         if self.atlas.is_none() {
-            let weights = self.phase.leaf_weights().filter(|weights| weights.len() > 1)?;
+            let weights = self.phase.flow.as_ref()?.state().chart_weights();
+            if weights.len() < 2 {
+                return None;
+            };
             let surface = self.document.surface.as_ref()?;
             let (mesh, geometry) = (&surface.mesh, &surface.geometry);
             match Atlas::new(mesh, geometry, &weights, &AtlasParams::default()) {

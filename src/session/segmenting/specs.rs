@@ -49,8 +49,12 @@ fn phase_energy() -> Vec<ParamSpec> {
             "How much unconnected parts cost: the penalty's weight is ε to the power −κ.")
             .group(energy).advanced(),
         choice(energy, "screening", "Screening λ",
-            &[("sharp", "1/ε² (sharper)"), ("paper", "1/ε (paper)")],
-            "How firmly the scale factor is held at 0 outside a segment. The paper's choice converges only like the logarithm of ε.")
+            &[
+                ("outside", "1/ε², outside only"),
+                ("sharp", "1/ε² (sharper)"),
+                ("paper", "1/ε (paper)"),
+            ],
+            "How firmly the scale factor is held at 0 outside a segment. With the two others a field may turn grey inside a segment to look less distorted, and the border stays; the paper's choice converges only like the logarithm of ε.")
             .advanced(),
     ]
 }

@@ -117,6 +117,79 @@ fn options_change_under_way_and_after_the_end() {
 }
 
 #[test]
+fn another_share_moves_interfaces_of_all_levels_and_they_stay_interfaces() {
+    let surface = Surface::sphere(10);
+    let params = |fraction| PhaseFieldParams {
+        levels: 2,
+        omega: 1.0,
+        screening: Screening::Outside,
+        fraction,
+        ..coarse()
+    };
+    let mut flow = run(&surface, params(0.5));
+    let halved = flow.costs().iter().sum::<f64>();
+    for fraction in [0.25, 0.5] {
+        flow.set_params(params(fraction)).unwrap();
+        finish(&mut flow);
+        assert_eq!(flow.status(), Status::Converged);
+        for node in flow.state().tree().iter().filter(|n| n.children.is_some()) {
+            assert!((node.terms.area_fraction - fraction).abs() < 1e-10);
+            // A little beyond ±1 is what curved interfaces have.
+            assert!(node.u.iter().all(|u| u.abs() < 1.3), "{fraction}: no phase beyond ±1");
+        }
+        let fresh = run(&surface, params(fraction)).costs().iter().sum::<f64>();
+        let found = flow.costs().iter().sum::<f64>();
+        // Local minima differ.
+        assert!(found < 1.3 * fresh, "{fraction}: {found} and {fresh}");
+    }
+    assert!(flow.costs().iter().sum::<f64>() < 1.1 * halved);
+}
+
+#[test]
+fn segments_of_a_hand_have_their_areas_after_its_finger_tips_were_given_up() {
+    let Some(surface) = Surface::shared("hand.obj") else { return };
+    let params = PhaseFieldParams {
+        epsilon: 0.08,
+        omega: 1.0,
+        screening: Screening::Sharp,
+        starts: 1,
+        max_steps: 60,
+        ..PhaseFieldParams::default()
+    };
+    let flow = run(&surface, params);
+    let areas = surface.geometry.vertex_dual_areas(&surface.mesh);
+    let whole: f64 = areas.iter().sum();
+    for weight in flow.state().leaf_weights() {
+        let share: f64 = weight.iter().zip(&areas).map(|(w, a)| w * a).sum::<f64>() / whole;
+        assert!((share - 0.5).abs() < 1e-4, "{share}");
+    }
+    assert_eq!(flow.measure(0).unwrap().components, [1, 1]);
+}
+
+#[test]
+fn chart_weights_add_up_and_leave_no_tails_along_borders_of_ancestors() {
+    let surface = Surface::sphere(12);
+    let flow = run(&surface, PhaseFieldParams { levels: 2, epsilon: 0.2, ..coarse() });
+    let (state, labels) = (flow.state(), flow.state().labels());
+    let weights = state.chart_weights();
+    assert!((0..labels.len()).all(|v| {
+        let sum: f64 = weights.iter().map(|w| w[v]).sum();
+        (sum - 1.0).abs() < 1e-14 && weights.iter().all(|w| w[v] >= 0.0)
+    }));
+    // A quarter of the sphere's border is two half circles; tails would follow the whole first circle, up to its far side.
+    let positions = &surface.geometry.positions;
+    for (leaf, weight) in weights.iter().enumerate() {
+        let own: Vec<usize> = (0..labels.len()).filter(|&v| labels[v] as usize == leaf).collect();
+        let reached = (0..labels.len()).filter(|&v| weight[v] > 0.0);
+        for v in reached {
+            let nearest = own.iter().map(|&w| (positions[v] - positions[w]).norm());
+            // Within the interface, 2 ε on either side.
+            assert!(nearest.fold(f64::INFINITY, f64::min) < 0.45, "leaf {leaf}, vertex {v}");
+        }
+    }
+}
+
+#[test]
 fn all_levels_relaxed_together_are_no_worse_than_one_after_the_other() {
     let surface = Surface::sample("rounded_box");
     let floor = epsilon_floor(&surface.geometry);

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use cutflow::methods::phasefield::Screening;
+
 use super::*;
 
 /// Perimeter and length of the root's interface.
@@ -30,7 +32,6 @@ fn a_sphere_is_halved_along_a_great_circle_with_the_energy_of_the_notes() {
 }
 
 #[test]
-#[ignore = "half a minute"]
 fn a_fine_sphere_has_the_energy_of_the_notes() {
     for start in [Start::Axes, Start::Random] {
         let params =
@@ -112,13 +113,12 @@ fn distortion_lengthens_the_interface_and_its_price_connects_what_would_be_islan
 }
 
 #[test]
-#[ignore = "a minute"]
 fn distortion_of_the_sphere_is_that_of_the_notes() {
     let surface = Surface::sphere(16);
     // Bands: local minima differ.
     for (omega, length, loss) in [(0.0, 2.0 * PI, 23.3), (1.0, 11.2, 5.9), (5.0, 15.0, 2.1)] {
         let params = PhaseFieldParams {
-            omega: f64::max(omega, 1e-9),
+            omega,
             start: Start::Axes,
             starts: 1,
             ..PhaseFieldParams::default()
@@ -128,4 +128,42 @@ fn distortion_of_the_sphere_is_that_of_the_notes() {
         assert!(is_near(lengths(&flow)[1], length, 0.05), "{omega}: {:?}", lengths(&flow));
         assert!(is_near(found, loss, 0.05), "{omega}: {found}");
     }
+}
+
+#[test]
+fn halves_of_the_sphere_have_the_diffuse_losses_of_the_notes() {
+    let surface = Surface::sphere(32);
+    for (screening, epsilon, expected) in [
+        (Screening::Paper, 0.12, 23.93),
+        (Screening::Paper, 0.06, 19.15),
+        (Screening::Sharp, 0.12, 4.58),
+        (Screening::Sharp, 0.06, 3.37),
+    ] {
+        let params = PhaseFieldParams { epsilon, screening, ..PhaseFieldParams::default() };
+        let flow = run(&surface, params);
+        // Without a price it is measured at the end. The notes do not name their mesh; ours are within 2 %.
+        let found = flow.state().tree()[0].terms.yamabe;
+        assert!(is_near(found, expected, 0.02), "{screening:?} {epsilon}: {found}");
+    }
+}
+
+#[test]
+fn a_price_on_distortion_moves_the_border_where_grey_gains_nothing() {
+    let surface = Surface::sphere(16);
+    let sharp = |screening| {
+        // From noise: the great circle that axes of inertia give is a saddle.
+        let start = Start::Random;
+        let params = PhaseFieldParams {
+            omega: 5.0,
+            start,
+            starts: 1,
+            screening,
+            ..PhaseFieldParams::default()
+        };
+        run(&surface, params).measure(0).unwrap().sharp.iter().sum::<f64>()
+    };
+    // Of hemispheres, where grey rims pay, and of the two bands of a tennis ball.
+    assert!((sharp(Screening::Sharp) - 2.366).abs() < 0.05);
+    let moved = sharp(Screening::Outside);
+    assert!(moved < 0.3, "{moved}");
 }

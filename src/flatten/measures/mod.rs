@@ -6,11 +6,15 @@
 //! Guaranteed: flips and overlaps are decided by exact predicates. Not guaranteed: meaning of averages of a chart with
 //! flips; flipped faces are counted, not averaged.
 
+mod maps;
+
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::{Complex, Point2};
+use nalgebra::Point2;
 
-use super::overlap::{Bounds, Tree, contacts, for_overlapping, orientation, winding};
+use maps::{BLOCK, Face, FaceMap, Maps};
+
+use super::overlap::{Bounds, Tree, contacts, for_overlapping, winding};
 use super::validity::face_places;
 use super::{Flattening, Packing};
 use crate::geometry::Geometry;
@@ -80,21 +84,35 @@ pub fn measure(opened: &OpenedMesh, geometry: &Geometry, flattening: &Flattening
     let mut face_log_scales = vec![f64::NAN; face_count];
     let mut face_stretches = vec![f64::NAN; face_count];
     let mut face_symmetric_dirichlet = vec![f64::NAN; face_count];
-    for face in opened.mesh.faces() {
-        let patch = opened.face_patches[face.index()] as usize;
-        if flattening.charts[patch].is_err() {
-            continue;
+    let mut maps = Maps::new();
+    for start in (0..face_count).step_by(BLOCK) {
+        let block = start..face_count.min(start + BLOCK);
+        for face in block.clone() {
+            let f = FaceId::from(face);
+            let sides = opened.mesh.face_halfedges(f).map(|h| geometry.edge_length(h.edge()));
+            let on_surface = Face {
+                area: geometry.face_areas[face],
+                sides,
+                angle: geometry.corner_angles[face][0],
+                cotangent: geometry.corner_cotangents[face][0],
+            };
+            maps.put(face - start, &on_surface, face_places(opened, &flattening.uv, f));
         }
-        let places = face_places(opened, &flattening.uv, face);
-        let map = FaceMap::new(opened, geometry, face, places);
-        let distortion = map.distortion();
-        if map.area > 0.0 {
-            face_angle_distortions[face.index()] = distortion.angle;
-            face_log_scales[face.index()] = distortion.log_scale;
-            face_stretches[face.index()] = distortion.stretch_squared.sqrt();
-            face_symmetric_dirichlet[face.index()] = distortion.symmetric_dirichlet;
+        maps.compute();
+        for face in block {
+            let patch = opened.face_patches[face] as usize;
+            if flattening.charts[patch].is_err() {
+                continue;
+            }
+            let map = maps.get(face - start);
+            if map.area > 0.0 {
+                face_angle_distortions[face] = map.angle;
+                face_log_scales[face] = map.log_scale;
+                face_stretches[face] = map.stretch;
+                face_symmetric_dirichlet[face] = map.symmetric_dirichlet;
+            }
+            sums[patch].add(&map);
         }
-        sums[patch].add(&map, &distortion);
     }
     let mut totals = Sums::default();
     let charts = (0..patch_count)
@@ -196,88 +214,6 @@ pub fn overlaps_across(opened: &OpenedMesh, flattening: &Flattening, packing: &P
     overlaps
 }
 
-/// The linear map of one face.
-struct FaceMap {
-    area: f64,
-    /// |f_z| and |f_z̄|.
-    conformal: f64,
-    anticonformal: f64,
-    /// Signed area in the plane.
-    flat_area: f64,
-    flipped: bool,
-}
-
-impl FaceMap {
-    fn new(
-        opened: &OpenedMesh,
-        geometry: &Geometry,
-        face: FaceId,
-        [a, b, c]: [Point2<f64>; 3],
-    ) -> Self {
-        let sides = opened.mesh.face_halfedges(face).map(|h| geometry.edge_length(h.edge()));
-        let as_complex = |p: Point2<f64>| Complex::new(p.x - a.x, p.y - a.y);
-        let area = geometry.face_areas[face.index()];
-        let longest = sides.iter().fold(0.0, |m: f64, &side| m.max(side));
-        let inverse = 1.0 / sides[0];
-        // Corners of the face in its plane: 0, sides[0] and the third, by its angle where the face is so flat that its
-        // cotangents are not the true ones (see `Geometry::measure`).
-        let (x, y) = if area > FLAT * longest * longest {
-            let height = 2.0 * area * inverse;
-            (geometry.corner_cotangents[face.index()][0] * height, height)
-        } else {
-            let (sin, cos) = geometry.corner_angles[face.index()][0].sin_cos();
-            (sides[2] * cos, sides[2] * sin)
-        };
-        let f_x = as_complex(b) * inverse;
-        let f_y = (as_complex(c) - f_x * x) * (1.0 / y);
-        let rotated = Complex::new(-f_y.im, f_y.re);
-        let doubled = orientation(a, b, c);
-        Self {
-            area,
-            conformal: 0.5 * (f_x - rotated).norm_sqr().sqrt(),
-            anticonformal: 0.5 * (f_x + rotated).norm_sqr().sqrt(),
-            flat_area: 0.5 * doubled,
-            flipped: doubled <= 0.0,
-        }
-    }
-
-    /// σ₁ and σ₂.
-    fn singular_values(&self) -> [f64; 2] {
-        [self.conformal + self.anticonformal, self.conformal - self.anticonformal]
-    }
-
-    fn distortion(&self) -> Distortion {
-        let [larger, smaller] = self.singular_values();
-        let product = larger * smaller.abs();
-        // One division for all: they are what this costs.
-        let inverse = 1.0 / product;
-        let squares = larger * larger + smaller * smaller;
-        let stretch_squared =
-            if product <= 0.0 { f64::INFINITY } else { 0.5 * squares * inverse * inverse };
-        Distortion {
-            angle: larger * larger * inverse,
-            log_scale: 0.5 * product.ln(),
-            stretch_squared,
-            symmetric_dirichlet: 0.25 * squares + 0.5 * stretch_squared,
-        }
-    }
-}
-
-/// What a face's map does.
-struct Distortion {
-    /// σ₁ / |σ₂|.
-    angle: f64,
-    /// ½ log(σ₁ |σ₂|).
-    log_scale: f64,
-    /// ½ (σ₁⁻² + σ₂⁻²).
-    stretch_squared: f64,
-    /// ¼ (σ₁² + σ₂² + σ₁⁻² + σ₂⁻²).
-    symmetric_dirichlet: f64,
-}
-
-/// Area over the square of the longest side below which a face's cotangents are not those of its shape.
-const FLAT: f64 = 1e-8;
-
 /// What the measures are made of.
 #[derive(Clone, Debug)]
 struct Sums {
@@ -326,11 +262,12 @@ impl Default for Sums {
 }
 
 impl Sums {
-    fn add(&mut self, map: &FaceMap, distortion: &Distortion) {
+    fn add(&mut self, map: &FaceMap) {
+        let is_flipped = map.flat_area <= 0.0;
         self.faces += 1;
-        self.flipped += usize::from(map.flipped);
+        self.flipped += usize::from(is_flipped);
         self.smallest_signed_area = self.smallest_signed_area.min(map.flat_area);
-        let [larger, smaller] = map.singular_values();
+        let [larger, smaller] = map.singular_values;
         if map.area <= 0.0 || !(larger + smaller).is_finite() {
             return;
         }
@@ -338,18 +275,18 @@ impl Sums {
         self.area += map.area;
         self.area_change += map.area * change;
         self.area_change_abs += map.area * change.abs();
-        if map.flipped || smaller <= 0.0 {
+        if is_flipped || smaller <= 0.0 {
             return;
         }
-        let scale = distortion.log_scale;
+        let scale = map.log_scale;
         self.weight += map.area;
-        self.angle += map.area * distortion.angle;
-        self.angle_max = self.angle_max.max(distortion.angle);
+        self.angle += map.area * map.angle;
+        self.angle_max = self.angle_max.max(map.angle);
         self.scale += map.area * scale;
         self.scale_squared += map.area * scale * scale;
-        self.stretch_squared += map.area * distortion.stretch_squared;
+        self.stretch_squared += map.area * map.stretch_squared;
         self.stretch_max = self.stretch_max.max(1.0 / smaller);
-        self.symmetric_dirichlet += map.area * distortion.symmetric_dirichlet;
+        self.symmetric_dirichlet += map.area * map.symmetric_dirichlet;
         self.flat_weight += map.area * larger * smaller;
     }
 
