@@ -13,7 +13,7 @@
 //! [`PhaseMeasures::length`] gives with far less bias.
 //!
 //! **Differs** from the paper: each term's file says how; areas are kept exactly instead of by a penalty; where connected phases are
-//! asked for, islands in which a field reaches neither phase are given to what lies around them before it is thresholded.
+//! asked for, islands in which a field reaches neither phase are given to what lies around them in the end; [`Screening::Outside`] is not in the paper.
 
 mod cut;
 mod domain;
