@@ -366,11 +366,14 @@ fn closed_surfaces_become_centred_spheres() {
     }
     surfaces.extend(Surface::shared("bunny-closed.obj"));
     surfaces.extend(Surface::shared("spot.obj"));
-    // Slender: triangles turn over, which is told.
+    // Slender: harmonic coordinates turn 41 triangles over.
     surfaces.extend(Surface::shared("cheburashka.obj"));
     for Surface { name, mesh, geometry } in &surfaces {
         let map = flatten_sphere(mesh, geometry).unwrap();
-        assert!(map.effort.factorisations <= 2 && map.effort.solves <= 8);
+        // Up to three rounds of raised weights.
+        let raised = map.effort.factorisations.saturating_sub(2);
+        assert!(raised <= 3 && map.effort.solves <= 8 + 2 * raised, "{name}: {:?}", map.effort);
+        assert!(raised == 0 || !name.starts_with("sphere"));
         assert!(map.off_centre < 1e-10, "{name}: {}", map.off_centre);
         let areas = geometry.vertex_dual_areas(mesh);
         let centre = map.positions.iter().zip(&areas).map(|(p, m)| p * *m);
@@ -381,12 +384,9 @@ fn closed_surfaces_become_centred_spheres() {
             !(a.dot(&b.cross(&c)) > 0.0)
         });
         let inward = inward.count();
-        println!("{name}: {inward} of {} inward", mesh.face_count());
-        assert_eq!(map.flipped.len(), inward, "{name}");
-        assert!(inward * 200 <= mesh.face_count(), "{name}: {inward}");
+        assert_eq!((map.flipped.len(), inward), (0, 0), "{name}");
         // A sphere is itself, up to a rotation: distances stay, to second order.
         if name.starts_with("sphere") {
-            assert_eq!(inward, 0);
             let radius = geometry.positions[0].coords.norm();
             let worst = mesh
                 .edges()
@@ -404,6 +404,29 @@ fn closed_surfaces_become_centred_spheres() {
     let refused = flatten_sphere(&torus.mesh, &torus.geometry).err();
     let expected = TargetError::NotASphere { euler: 0, boundary_loops: 0, components: 1 };
     assert_eq!(refused, Some(expected));
+}
+
+#[test]
+fn no_face_turns_over_inside_a_circle_however_thin_faces_are() {
+    let mut raised = 0;
+    for height in [0.0, 0.5, 2.0, 8.0] {
+        let patch = Patch::disk(14, |x, y| [x, y, height * (11.0 * x).sin() * (9.0 * y).cos()]);
+        let mut solver = patch.solver();
+        let chart = solver.flatten(&RimTarget::Disk, Interior::Harmonic).unwrap();
+        let place = |v: VertexId| chart.places[solver.vertices().binary_search(&v).unwrap()];
+        let over = patch.opened.mesh.triangles().iter().filter(|t| {
+            let [a, b, c] = t.map(place);
+            !((b - a).perp(&(c - a)) > 0.0)
+        });
+        assert_eq!(over.count(), 0, "{height}");
+        raised += usize::from(chart.is_raised);
+        assert!(height > 0.0 || !chart.is_raised, "nothing is changed without need");
+        // The factor of the true weights is still there: the same again costs solves only, where weights stayed.
+        let again = solver.flatten(&RimTarget::Disk, Interior::Harmonic).unwrap();
+        assert_eq!(again.places, chart.places);
+        assert!(chart.is_raised || again.effort.factorisations == 0);
+    }
+    assert!(raised > 0);
 }
 
 #[test]

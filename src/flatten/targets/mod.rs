@@ -9,7 +9,8 @@
 //! are changed by the little that closes it, and two harmonic coordinates fill it in.
 //!
 //! Guaranteed: angles asked for are those of the rim, to rounding; a target that cannot be is an error with the number that is wrong.
-//! Not guaranteed: freedom from flips and overlaps. Seams keep equal lengths where the rim's scale factors are given and equal on both
+//! Inside convex rims (disks, rectangles) faces that harmonic coordinates turn over are mended by positive weights.
+//! Not guaranteed: freedom from flips and overlaps elsewhere, and where rounding decides. Seams keep equal lengths where the rim's scale factors are given and equal on both
 //! sides of them, not where angles are: two charts that meet cannot both be rectangles.
 
 mod rim;
@@ -162,6 +163,8 @@ pub struct TargetChart {
     pub turned: f64,
     /// By how much exterior angles changed in the last round towards a circle, at most; 0 for other shapes.
     pub change: f64,
+    /// Whether harmonic coordinates turned faces over, and weights of edges were raised against that: angles changed there.
+    pub is_raised: bool,
     /// What it took from the beginning, factors that were there already left out.
     pub effort: Effort,
 }
@@ -210,7 +213,8 @@ impl<'a> TargetSolver<'a> {
     /// Flattens the patch.
     ///
     /// **Fails** on targets that cannot be, with the number that is wrong and the nearest that could.
-    /// **Costs** two factorisations and at most eight solves, disks included, and no factorisation that was made before.
+    /// **Costs** two factorisations and at most eight solves, disks included, and no factorisation that was made before; where weights are raised, one
+    /// factorisation and two solves for each of three tries at most.
     /// **From** [BFF] §4–6. **Differs**: rims close by least relative entropy, which keeps lengths positive and angles exact; the rim of a disk is a
     /// circle exactly.
     pub fn flatten(
@@ -253,8 +257,13 @@ impl<'a> TargetSolver<'a> {
             target,
             RimTarget::Isometric | RimTarget::Scales(_) | RimTarget::Lengths(_) | RimTarget::Free
         );
+        let mut is_raised = false;
         shape.places = match interior {
-            Interior::Harmonic => self.system.fill(&shape.rim)?,
+            Interior::Harmonic => {
+                let (places, raised) = self.system.fill(&shape.rim)?;
+                is_raised = raised;
+                places
+            }
             Interior::Conjugate if has_scales => self.system.fill_conjugate(&shape.rim)?,
             Interior::Conjugate => return Err(TargetError::NoConjugate),
         };
@@ -277,6 +286,7 @@ impl<'a> TargetSolver<'a> {
             closing: shape.closing,
             turned: shape.turned,
             change: shape.change,
+            is_raised,
             effort,
         })
     }

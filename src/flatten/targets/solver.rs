@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Point2;
 
+use super::super::overlap::orientation;
 use super::super::{NoChart, small};
 use super::{Effort, TargetError};
 use crate::geometry::{Geometry, angle_defects};
@@ -28,6 +29,23 @@ pub(super) struct System {
     dual_areas: Vec<f64>,
     inner: Option<Factor>,
     whole: Option<Factor>,
+}
+
+/// Least weights of edges where harmonic coordinates turn faces over, tried in turn: cotangents of 89° and 84°, and those of regular triangles, for
+/// which rounding alone turns faces over.
+const RAISED: [f64; 3] = [0.01, 0.05, 0.289];
+
+/// Whether an outline goes around once and never turns to the right. Rounding may bend straight sides.
+fn is_convex(outline: &[Point2<f64>]) -> bool {
+    const STRAIGHT: f64 = 1e-9;
+    let n = outline.len();
+    let turn = |i: usize| {
+        let [a, b, c] = [i, (i + 1) % n, (i + 2) % n].map(|i| outline[i]);
+        (b - a).perp(&(c - b)).atan2((b - a).dot(&(c - b)))
+    };
+    let turns: Vec<f64> = (0..n).map(turn).collect();
+    let once = (turns.iter().sum::<f64>() - std::f64::consts::TAU).abs() < 1e-3;
+    once && turns.iter().all(|turn| *turn > -STRAIGHT)
 }
 
 impl System {
@@ -153,8 +171,44 @@ impl System {
         Ok(sources)
     }
 
-    /// Harmonic coordinates inside a rim.
-    pub fn fill(&mut self, rim: &[Point2<f64>]) -> Result<Vec<Point2<f64>>, TargetError> {
+    /// Harmonic coordinates inside a rim. Where they turn faces over inside a convex one, edges of small or negative weight get more of it: with
+    /// positive weights every vertex lies among its neighbours, and nothing is turned over (Tutte, Floater).
+    ///
+    /// **Gives** the places, and whether weights were raised.
+    pub fn fill(&mut self, rim: &[Point2<f64>]) -> Result<(Vec<Point2<f64>>, bool), TargetError> {
+        let mut places = self.fill_harmonic(rim)?;
+        let mut turned = self.turned_over(&places);
+        let mut is_raised = false;
+        for least in RAISED {
+            if turned == 0 || !is_convex(rim) {
+                break;
+            }
+            let raised = self.weights.iter().map(|w| w.max(least)).collect();
+            let weights = std::mem::replace(&mut self.weights, raised);
+            let own = self.inner.take();
+            let found = self.fill_harmonic(rim);
+            self.weights = weights;
+            self.inner = own;
+            let found = found?;
+            let count = self.turned_over(&found);
+            if count < turned {
+                (places, turned, is_raised) = (found, count, true);
+            }
+        }
+        Ok((places, is_raised))
+    }
+
+    /// Number of faces that are turned over or flat, those with all corners on the rim apart.
+    fn turned_over(&self, places: &[Point2<f64>]) -> usize {
+        let is_inside = |t: &[u32; 3]| !t.iter().all(|&v| self.is_rim[v as usize]);
+        let is_over = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| places[v as usize]);
+            !(orientation(a, b, c) > 0.0)
+        };
+        self.faces.iter().filter(|(_, t)| is_inside(t) && is_over(t)).count()
+    }
+
+    fn fill_harmonic(&mut self, rim: &[Point2<f64>]) -> Result<Vec<Point2<f64>>, TargetError> {
         let none = self.zeros();
         let [x, y] = [0, 1].map(|axis| self.on_rim(rim, axis));
         let (mut x, mut y) = (x, y);

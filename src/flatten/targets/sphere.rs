@@ -4,7 +4,8 @@
 //! pole, where the vertex goes. The freedom that is left, Möbius transformations of the sphere, is used to bring the centre of mass of the
 //! image, each vertex weighing its area on the surface, to the centre of the ball. That determines the map up to rotations.
 //!
-//! Guaranteed: unit vectors with their centre of mass in the centre. Not guaranteed: freedom from flips, which are told; accuracy beside the pole, where a few
+//! Guaranteed: unit vectors with their centre of mass in the centre. Faces that harmonic coordinates would turn over are mended by positive
+//! weights. Not guaranteed: freedom from flips where rounding decides, which are told; accuracy beside the pole, where a few
 //! sides stand for a circle.
 
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -38,7 +39,7 @@ const CENTRED: f64 = 1e-12;
 ///
 /// **Takes** one component. **Gives** faces counter-clockwise seen from outside, like the surface's. **Fails** for other surfaces, with
 /// the numbers that say what they are.
-/// **Costs** two factorisations and at most eight solves. **From** [BFF] §6. **Differs**: the pole is the vertex with the best shaped
+/// **Costs** as [`TargetSolver::flatten`]. **From** [BFF] §6. **Differs**: the pole is the vertex with the best shaped
 /// faces; centring by steps of hyperbolic translation.
 pub fn flatten_sphere(mesh: &Mesh, geometry: &Geometry) -> Result<SphereMap, TargetError> {
     let topology = mesh.topology();

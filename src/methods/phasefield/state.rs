@@ -244,12 +244,12 @@ const TAIL: f64 = 0.2;
 /// How often islands are looked for again, after those in them were given up.
 const ISLANDS_IN_ISLANDS: usize = 4;
 
-/// The vertices of parts of either side where |u| is nowhere above e₁ and that may change sides: not the largest part of a side, and no two that
-/// touch.
+/// The vertices of parts of either side where the mean of u is on no face beyond e₁, as connectedness sees it, and that may change sides: not the
+/// largest part of a side, and no two that touch.
 fn faint_parts(mesh: &Mesh, sides: &[u32], u: &[f64], e1: f64) -> Vec<bool> {
     let is_within = |v: VertexId| sides[v.index()] < 2 && mesh.halfedge(v).is_some();
     let mut part_of = vec![usize::MAX; sides.len()];
-    // For each part its side, its vertices and the largest |u|.
+    // For each part its side, its vertices and the largest |u| of a face.
     let mut parts: Vec<(u32, usize, f64)> = Vec::new();
     let mut stack = Vec::new();
     for start in mesh.vertices().filter(|&v| is_within(v)) {
@@ -257,12 +257,11 @@ fn faint_parts(mesh: &Mesh, sides: &[u32], u: &[f64], e1: f64) -> Vec<bool> {
             continue;
         }
         let side = sides[start.index()];
-        let (mut count, mut most) = (0, 0.0f64);
+        let mut count = 0;
         part_of[start.index()] = parts.len();
         stack.push(start);
         while let Some(v) = stack.pop() {
             count += 1;
-            most = most.max(u[v.index()].abs());
             for w in mesh.outgoing(v).map(|h| mesh.tip(h)) {
                 if sides[w.index()] == side && part_of[w.index()] == usize::MAX {
                     part_of[w.index()] = parts.len();
@@ -270,7 +269,16 @@ fn faint_parts(mesh: &Mesh, sides: &[u32], u: &[f64], e1: f64) -> Vec<bool> {
                 }
             }
         }
-        parts.push((side, count, most));
+        parts.push((side, count, 0.0));
+    }
+    for corners in mesh.triangles().iter().map(|t| t.map(|v| v.index())) {
+        let mean = corners.iter().map(|&v| u[v]).sum::<f64>() / 3.0;
+        let toward = |v: usize| if mean < 0.0 { -u[v] } else { u[v] };
+        let [a, b, c] = corners;
+        let far = [b, c].into_iter().fold(a, |v, w| if toward(w) > toward(v) { w } else { v });
+        if let Some((_, _, most)) = parts.get_mut(part_of[far]) {
+            *most = most.max(mean.abs());
+        }
     }
     let mut around: Vec<Vec<usize>> = vec![Vec::new(); parts.len()];
     for e in mesh.edges() {
