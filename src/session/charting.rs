@@ -210,6 +210,8 @@ pub struct Made {
     pub split_length: f64,
     /// Triangles that were cut out and mirrored because nothing else turned them over.
     pub cut_out: usize,
+    /// What an outline that was asked for did to triangles.
+    pub outline: Option<String>,
     /// What a person should know.
     pub notice: Option<String>,
 }
@@ -273,8 +275,12 @@ impl Patches<'_> {
                 let mut flattening = bff(&self.opened, &geometry)?;
                 // The first copy of a vertex keeps its number.
                 let corners = charting.corners.as_ref().map_or(&[][..], |corners| corners);
-                charting.outline.shape(&self.opened, &geometry, &mut flattening, corners)?;
-                self.charted(geometry, flattening, "bff")
+                let warning =
+                    charting.outline.shape(&self.opened, &geometry, &mut flattening, corners)?;
+                let mut charted = self.charted(geometry, flattening, "bff");
+                charted.made.notice.clone_from(&warning);
+                charted.made.outline = warning;
+                charted
             }
             FlattenBy::Auto => self.best(metric)?,
             FlattenBy::Conformal => {
@@ -433,8 +439,6 @@ fn notice_of(made: &Made) -> Option<String> {
             ),
         }
     });
-    match (turned, split) {
-        (Some(turned), Some(split)) => Some(format!("{turned} {split}")),
-        (turned, split) => turned.or(split),
-    }
+    let all: Vec<String> = [made.outline.clone(), turned, split].into_iter().flatten().collect();
+    (!all.is_empty()).then(|| all.join(" "))
 }

@@ -3,10 +3,10 @@
 use nalgebra::{Point2, Vector2};
 
 use super::charting::ChartError;
-use crate::flatten::Flattening;
 use crate::flatten::targets::{Interior, RimTarget, TargetSolver};
+use crate::flatten::{Flattening, measure};
 use crate::geometry::Geometry;
-use crate::mesh::{OpenedMesh, VertexId};
+use crate::mesh::{FaceId, OpenedMesh, VertexId};
 
 /// What the outline of every chart is to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,16 +33,16 @@ impl Outline {
     /// Gives all charts this outline.
     ///
     /// **Takes** charts with isometric rims, from which the corners of rectangles are chosen, unless four are given (of the one patch that has
-    /// them on its rim; other charts get corners of their own).
+    /// them on its rim; other charts get corners of their own). **Gives** what a person should know of it.
     pub(super) fn shape(
         self,
         opened: &OpenedMesh,
         geometry: &Geometry,
         flattening: &mut Flattening,
         corners: &[VertexId],
-    ) -> Result<(), ChartError> {
+    ) -> Result<Option<String>, ChartError> {
         if self == Self::TrueLength {
-            return Ok(());
+            return Ok(None);
         }
         for patch in 0..flattening.charts.len() {
             if flattening.charts[patch].is_err() {
@@ -66,9 +66,48 @@ impl Outline {
             let chart = solver.flatten(&target, Interior::Harmonic)?;
             solver.put(&chart, &target, flattening);
         }
-        Ok(())
+        Ok(self.warning(opened, geometry, flattening))
+    }
+
+    /// What such an outline did to triangles.
+    fn warning(
+        self,
+        opened: &OpenedMesh,
+        geometry: &Geometry,
+        flattening: &Flattening,
+    ) -> Option<String> {
+        let mesh = &opened.mesh;
+        let totals = measure(opened, geometry, flattening).totals;
+        let mut sentences = Vec::new();
+        // Between corners the outline is straight.
+        let is_along = |f: &FaceId| {
+            let [a, b, c] = mesh.face_vertices(*f);
+            let [p, q, r] = [a, b, c].map(|v| flattening.uv[v.index()]);
+            let is_flat = (q - p).perp(&(r - p)).abs() <= 1e-9 * geometry.face_areas[f.index()];
+            is_flat && [a, b, c].iter().all(|&v| mesh.is_boundary_vertex(v))
+        };
+        let along = match self {
+            Self::Rectangle => mesh.faces().filter(is_along).count(),
+            _ => 0,
+        };
+        if along > 0 {
+            sentences.push(format!(
+                "{} with all corners on one straight side, flat whatever the map: remesh the surface, under Prepare or by the command prepare with --tool remesh, or choose another outline.",
+                if along == 1 { "1 triangle lies".to_owned() } else { format!("{along} triangles lie") }
+            ));
+        }
+        if totals.angle_distortion > MUCH {
+            sentences.push(format!(
+                "Such an outline distorts angles {:.1}-fold on average here: its shape is far from that of the piece. Outlines of true length do not.",
+                totals.angle_distortion
+            ));
+        }
+        (!sentences.is_empty()).then(|| sentences.join(" "))
     }
 }
+
+/// Mean angle distortion beyond which an outline is not what anybody wants.
+const MUCH: f64 = 1.5;
 
 /// The corners of an outline that lie best at those of the smallest rectangle around it, counter-clockwise, all different.
 fn best_corners(outline: &[Point2<f64>]) -> Option<[usize; 4]> {

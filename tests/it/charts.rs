@@ -1,6 +1,8 @@
 //! Charts as sessions make them: the choice of a flattening, evening out, outlines, splitting.
 
-use cutflow::session::{Command, Event, Session, Value};
+use cutflow::session::{
+    Charting, Command, Document, Event, Outline, Session, Value, surface_layout,
+};
 
 use crate::scripts::{errors, measure, set, status};
 
@@ -110,6 +112,25 @@ fn outlines_can_be_round_or_rectangular() {
         assert!(measure(&events, "Overlaps") < 0.5, "{outline}");
         let report = flattening(&mut session);
         assert_eq!(report["seams_equal"], outline == "length", "{outline}");
+    }
+    // Nothing to tell here; a long strip is no disk.
+    let mut strip = String::new();
+    for i in 0..=80 {
+        let bend = 0.1 * f64::from(i).sin();
+        strip += &format!("v {i} 0 0\nv {i} 2 {bend}\nv {i} 4 0\n");
+    }
+    for i in 0..80 {
+        for a in [3 * i + 1, 3 * i + 2] {
+            strip += &format!("f {a} {} {} {}\n", a + 3, a + 4, a + 1);
+        }
+    }
+    let strip = Document::from_bytes("strip.obj", strip.as_bytes()).unwrap();
+    let surface = strip.surface().unwrap();
+    for (outline, is_told) in [(Outline::Disk, true), (Outline::TrueLength, false)] {
+        let charting = Charting { outline, ..Charting::default() };
+        let (layout, _) = surface_layout(surface, None, &charting, "none").unwrap();
+        let notice = layout.notice.unwrap_or_default();
+        assert_eq!(notice.contains("distorts angles"), is_told, "{outline:?}: {notice}");
     }
 }
 

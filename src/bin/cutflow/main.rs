@@ -518,6 +518,9 @@ fn tell_flattening(
         print_flattening(report);
     }
     warn_of_charts(layout);
+    if let Some(notice) = &layout.notice {
+        eprintln!("note: {notice}");
+    }
     write(&args.output, uv)?;
     write_json(&args.report, report)
 }
