@@ -530,3 +530,26 @@ fn a_surface_that_is_symmetric_with_triangles_that_are_not_says_so() {
     }
     assert!(refused > 0);
 }
+
+#[test]
+fn a_painted_start_gives_way_with_the_triangles_that_it_was_painted_on() {
+    let mut session =
+        open("phasefield", "ball", &[("levels", number(1.0)), ("omega", number(0.0))]);
+    let count = session.info_report().unwrap().vertices;
+    let values: Vec<f64> = (0..count).map(|v| f64::from(u8::from(2 * v > count))).collect();
+    let events = session.bring(Brought::Layer { channel: "region", values: &values });
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    run(&mut session);
+    let values = [("faces".to_owned(), 2000.0)].into();
+    session.handle(Command::Prepare { tool: "decimate".into(), values });
+    let mut events = Vec::new();
+    while session.is_running() {
+        events.extend(session.advance(&mut || false));
+    }
+    assert!(errors(&events).is_empty(), "{:?}", errors(&events));
+    let notices = session.info_report().unwrap().notices;
+    assert!(notices.iter().any(|n| n.text.contains("axes of inertia")), "{notices:?}");
+    // Run finds another start.
+    assert!(errors(&run(&mut session)).is_empty());
+    assert_eq!(session.phase_report(None).unwrap().segments.len(), 3);
+}
