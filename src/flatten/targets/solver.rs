@@ -189,7 +189,8 @@ impl System {
             let found = self.fill_harmonic(rim);
             self.weights = weights;
             self.inner = own;
-            let found = found?;
+            // What was found before is still a chart.
+            let Ok(found) = found else { break };
             let count = self.turned_over(&found);
             if count < turned {
                 (places, turned, is_raised) = (found, count, true);
