@@ -83,9 +83,14 @@ const KEEP_LAYOUT: f64 = 1.2;
 /// Landmarks of a chart that are looked at to recognise it and to turn it: more tell nothing new.
 const LANDMARKS: usize = 1000;
 
+/// For how many landmarks of a shape one stands.
+fn stride(shape: &Shape) -> usize {
+    shape.landmarks.len() / LANDMARKS + 1
+}
+
 /// Some landmarks of a shape, evenly from all.
 fn some_landmarks<'a>(shape: &Shape<'a>) -> impl Iterator<Item = &'a (u32, Point2<f64>)> + use<'a> {
-    shape.landmarks.iter().step_by(shape.landmarks.len() / LANDMARKS + 1)
+    shape.landmarks.iter().step_by(stride(shape))
 }
 
 /// Lays charts out on a sheet.
@@ -163,7 +168,7 @@ fn ancestors(shapes: &[Shape], previous: &Packing) -> Vec<Option<u32>> {
         let mut counts = vec![0usize; previous.poses.len()];
         for (name, _) in some_landmarks(shape) {
             if let Some(Some((ancestor, _))) = previous.landmarks.get(*name as usize) {
-                counts[*ancestor as usize] += 1;
+                counts[*ancestor as usize] += stride(shape);
             }
         }
         let found = counts.iter().enumerate().filter(|(_, count)| **count > 0);

@@ -68,6 +68,30 @@ fn assert_lies_on_sheet(outlines: &[Vec<Point2<f64>>], packing: &Packing) {
 }
 
 #[test]
+fn of_a_chart_that_parts_the_larger_part_stays() {
+    // Sizes about the number of landmarks from which on not all are looked at.
+    for [large, small] in [[1000u32, 600], [2000, 999], [5000, 990]] {
+        let strip = |from: u32, to: u32| -> Vec<(u32, Point2<f64>)> {
+            let place = |i: u32| Point2::new(f64::from(i), f64::from(i * 7 % 100));
+            (from..to).map(|i| (i, place(i))).collect()
+        };
+        let outline = |from: u32, to: u32| {
+            let [a, b] = [f64::from(from), f64::from(to)];
+            [[a, 0.0], [b, 0.0], [b, 100.0], [a, 100.0]].map(Point2::from)
+        };
+        let (all, whole) = (strip(0, large + small), outline(0, large + small));
+        let before = pack(&[Shape { outline: &whole, landmarks: &all }], 1.0, None);
+        let cuts = [(0, small), (small, large + small)];
+        let parts = cuts.map(|(from, to)| (outline(from, to), strip(from, to)));
+        let shapes = parts.each_ref().map(|(o, l)| Shape { outline: o, landmarks: l });
+        let after = pack(&shapes, 1.0, Some(&before));
+        // Known landmarks turn the larger part as the whole was; the other one lies as if it were new.
+        assert!((after.poses[1].angle - before.poses[0].angle).abs() < 1e-9, "{large} {small}");
+        assert!(after.boxes[1].low.coords.norm() < 1e-9, "{large} {small}: {:?}", after.boxes);
+    }
+}
+
+#[test]
 fn packed_charts_keep_their_gap_and_fill_a_squarish_sheet() {
     for count in [1, 2, 3, 7, 30, 200] {
         let outlines = shapes(count, 0.0);

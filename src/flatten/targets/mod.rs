@@ -10,6 +10,7 @@
 //!
 //! Guaranteed: angles asked for are those of the rim, to rounding; a target that cannot be is an error with the number that is wrong.
 //! Inside convex rims (disks, rectangles) faces that harmonic coordinates turn over are mended by positive weights.
+//! What an inner edge between two vertices of one straight side cuts off is flat there whatever the weights.
 //! Not guaranteed: freedom from flips and overlaps elsewhere, and where rounding decides. Seams keep equal lengths where the rim's scale factors are given and equal on both
 //! sides of them, not where angles are: two charts that meet cannot both be rectangles.
 

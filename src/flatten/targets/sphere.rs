@@ -5,7 +5,7 @@
 //! image, each vertex weighing its area on the surface, to the centre of the ball. That determines the map up to rotations.
 //!
 //! Guaranteed: unit vectors with their centre of mass in the centre. Faces that harmonic coordinates would turn over are mended by positive
-//! weights. Not guaranteed: freedom from flips where rounding decides, which are told; accuracy beside the pole, where a few
+//! weights. Not guaranteed: that the projection turns no thin or large face over, which is told; accuracy beside the pole, where a few
 //! sides stand for a circle.
 
 use nalgebra::{Matrix3, Point3, Vector3};

@@ -6,7 +6,7 @@
 //! partition of unity. Phases thresholded at 0 are an ordinary cut.
 //!
 //! Guaranteed: areas are kept exactly at every step; the objective of one start never rises, except where the price of unconnected phases
-//! comes in after the warm-up; indicators of the leaves add up to 1. Not guaranteed: the global minimum (starts differ, the best is
+//! comes in after the warm-up, and at the end, where islands are given up; indicators of the leaves add up to 1. Not guaranteed: the global minimum (starts differ, the best is
 //! kept); connected phases, which the price makes likely; anything where ε is not at least twice the edge length ([`epsilon_floor`]).
 //!
 //! All lengths, ε among them, are those of the surface scaled to area 4π. P is about √2 times the length of the interface, which

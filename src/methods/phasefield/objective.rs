@@ -34,7 +34,7 @@ pub struct SplitTerms {
     pub penalty: f64,
     /// C[u] + C[−u]: 0 where both phases are connected, or while it is left out.
     pub connectedness: f64,
-    /// Diffuse distortion J of both phases; 0 where ω is.
+    /// Diffuse distortion J of both phases; with ω = 0 measured at the end of a split, 0 before.
     pub yamabe: f64,
     /// Share of the segment's area in the positive phase.
     pub area_fraction: f64,

@@ -1,5 +1,7 @@
 //! Fields to begin a split with.
 
+use std::collections::VecDeque;
+
 use nalgebra::{Matrix3, Vector3};
 
 use super::domain::Domain;
@@ -130,7 +132,7 @@ const FAR_OFF: f64 = 1e-3;
 /// A field whose area is about right: the field itself, or the profile across a curve beside its interface, at the same distance everywhere.
 /// Shifting values instead would turn whole phases grey.
 ///
-/// **Gives** nothing where a field that is far off has no interface in the segment.
+/// **Gives** nothing where a field that is far off has no interface in the segment, or none in a component that is larger than the share.
 pub(super) fn moved(
     domain: &Domain,
     params: &PhaseFieldParams,
@@ -144,6 +146,7 @@ pub(super) fn moved(
     if (area - target).abs() <= FAR_OFF * whole {
         return Some(u.to_vec());
     }
+    let u = &without_noise(domain, u);
     let mut near = vec![f64::INFINITY; u.len()];
     for e in domain.mesh.edges() {
         let ends = domain.mesh.edge_vertices(e).map(|v| v.index());
@@ -167,6 +170,27 @@ pub(super) fn moved(
     let mut u = above_level(&heights, &mw, target, STEEPNESS / params.epsilon);
     u.iter_mut().zip(w).for_each(|(u, w)| *u *= w);
     u.iter().all(|u| u.is_finite()).then_some(u)
+}
+
+/// |u| up to which a sign is noise: outside of a segment a field is about 0. An interface is steep, and has few vertices of smaller values.
+const NOISE: f64 = 0.15;
+
+/// A field whose small values have the sign of the nearest larger one, by edges.
+fn without_noise(domain: &Domain, u: &[f64]) -> Vec<f64> {
+    let mut clear = u.to_vec();
+    let mut is_known: Vec<bool> = u.iter().map(|u| u.abs() > NOISE).collect();
+    let mut front: VecDeque<_> = domain.mesh.vertices().filter(|v| is_known[v.index()]).collect();
+    while let Some(v) = front.pop_front() {
+        for w in domain.mesh.outgoing(v).map(|h| domain.mesh.tip(h)) {
+            if !is_known[w.index()] {
+                is_known[w.index()] = true;
+                let size = u[w.index()].abs();
+                clear[w.index()] = if clear[v.index()] < 0.0 { -size.max(1e-3) } else { size };
+                front.push_back(w);
+            }
+        }
+    }
+    clear
 }
 
 /// The optimal profile of an interface is tanh of this times the distance over ε.

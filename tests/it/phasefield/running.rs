@@ -128,7 +128,7 @@ fn another_share_moves_interfaces_of_all_levels_and_they_stay_interfaces() {
     };
     let mut flow = run(&surface, params(0.5));
     let halved = flow.costs().iter().sum::<f64>();
-    for fraction in [0.25, 0.5] {
+    for fraction in [0.25, 0.5, 0.1, 0.6] {
         flow.set_params(params(fraction)).unwrap();
         finish(&mut flow);
         assert_eq!(flow.status(), Status::Converged);
@@ -140,9 +140,9 @@ fn another_share_moves_interfaces_of_all_levels_and_they_stay_interfaces() {
         let fresh = run(&surface, params(fraction)).costs().iter().sum::<f64>();
         let found = flow.costs().iter().sum::<f64>();
         // Local minima differ.
-        assert!(found < 1.3 * fresh, "{fraction}: {found} and {fresh}");
+        assert!(found < 1.08 * fresh, "{fraction}: {found} and {fresh}");
+        assert!(fraction < 0.5 || fraction > 0.5 || found < 1.1 * halved);
     }
-    assert!(flow.costs().iter().sum::<f64>() < 1.1 * halved);
 }
 
 #[test]
@@ -183,8 +183,8 @@ fn chart_weights_add_up_and_leave_no_tails_along_borders_of_ancestors() {
         let reached = (0..labels.len()).filter(|&v| weight[v] > 0.0);
         for v in reached {
             let nearest = own.iter().map(|&w| (positions[v] - positions[w]).norm());
-            // Within the interface, 2 ε on either side.
-            assert!(nearest.fold(f64::INFINITY, f64::min) < 0.45, "leaf {leaf}, vertex {v}");
+            // Within the interface, 2 ε on either side, at area 1.
+            assert!(nearest.fold(f64::INFINITY, f64::min) < 0.113, "leaf {leaf}, vertex {v}");
         }
     }
 }
