@@ -278,8 +278,8 @@ impl Patches<'_> {
                 let warning =
                     charting.outline.shape(&self.opened, &geometry, &mut flattening, corners)?;
                 let mut charted = self.charted(geometry, flattening, "bff");
-                charted.made.notice.clone_from(&warning);
                 charted.made.outline = warning;
+                charted.made.notice = notice_of(&charted.made);
                 charted
             }
             FlattenBy::Auto => self.best(metric)?,

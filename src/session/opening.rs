@@ -106,10 +106,7 @@ impl Session {
             let text = "What was painted belonged to the mesh before: the cut starts from normal clusters.";
             document.summary.notices.push(NoticeText::new("paint_dropped", 1, text));
         }
-        if self.work.is_some()
-            && !label.starts_with("open ")
-            && settings.text("phase_start") == "painted"
-        {
+        if !label.starts_with("open ") && settings.text("phase_start") == "painted" {
             settings.put("phase_start", Value::Text("axes".into()));
             let text = "What was painted belonged to the mesh before: divisions start along the axes of inertia.";
             document.summary.notices.push(NoticeText::new("paint_dropped", 1, text));

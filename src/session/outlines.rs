@@ -3,6 +3,7 @@
 use nalgebra::{Point2, Vector2};
 
 use super::charting::ChartError;
+use super::text::plural;
 use crate::flatten::targets::{Interior, RimTarget, TargetSolver};
 use crate::flatten::{Flattening, measure};
 use crate::geometry::Geometry;
@@ -44,6 +45,7 @@ impl Outline {
         if self == Self::TrueLength {
             return Ok(None);
         }
+        let mut raised = 0;
         for patch in 0..flattening.charts.len() {
             if flattening.charts[patch].is_err() {
                 continue;
@@ -65,8 +67,9 @@ impl Outline {
             };
             let chart = solver.flatten(&target, Interior::Harmonic)?;
             solver.put(&chart, &target, flattening);
+            raised += usize::from(chart.is_raised);
         }
-        Ok(self.warning(opened, geometry, flattening))
+        Ok(self.warning(opened, geometry, flattening, raised))
     }
 
     /// What such an outline did to triangles.
@@ -75,16 +78,15 @@ impl Outline {
         opened: &OpenedMesh,
         geometry: &Geometry,
         flattening: &Flattening,
+        raised: usize,
     ) -> Option<String> {
         let mesh = &opened.mesh;
         let totals = measure(opened, geometry, flattening).totals;
         let mut sentences = Vec::new();
-        // Between corners the outline is straight.
+        // Between corners the outline is straight: what it runs around on one side is flat.
         let is_along = |f: &FaceId| {
-            let [a, b, c] = mesh.face_vertices(*f);
-            let [p, q, r] = [a, b, c].map(|v| flattening.uv[v.index()]);
-            let is_flat = (q - p).perp(&(r - p)).abs() <= 1e-9 * geometry.face_areas[f.index()];
-            is_flat && [a, b, c].iter().all(|&v| mesh.is_boundary_vertex(v))
+            let [p, q, r] = mesh.face_vertices(*f).map(|v| flattening.uv[v.index()]);
+            (q - p).perp(&(r - p)).abs() <= 1e-9 * geometry.face_areas[f.index()]
         };
         let along = match self {
             Self::Rectangle => mesh.faces().filter(is_along).count(),
@@ -92,8 +94,14 @@ impl Outline {
         };
         if along > 0 {
             sentences.push(format!(
-                "{} with all corners on one straight side, flat whatever the map: remesh the surface, under Prepare or by the command prepare with --tool remesh, or choose another outline.",
+                "{} flat on a straight side, whatever the map: remesh the surface, under Prepare or by the command prepare with --tool remesh, or choose another outline.",
                 if along == 1 { "1 triangle lies".to_owned() } else { format!("{along} triangles lie") }
+            ));
+        }
+        if raised > 0 {
+            sentences.push(format!(
+                "Harmonic coordinates turn triangles of {} over: edges got other weights there, and angles change.",
+                plural(raised, "piece")
             ));
         }
         if totals.angle_distortion > MUCH {
@@ -106,7 +114,8 @@ impl Outline {
     }
 }
 
-/// Mean angle distortion beyond which an outline is not what anybody wants.
+/// Mean angle distortion beyond which an outline is not what anybody wants: a face scan as a disk has 1.04. Less, and pieces that fit well are
+/// warned of; more, and strips are not.
 const MUCH: f64 = 1.5;
 
 /// The corners of an outline that lie best at those of the smallest rectangle around it, counter-clockwise, all different.

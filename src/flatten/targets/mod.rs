@@ -215,7 +215,7 @@ impl<'a> TargetSolver<'a> {
     ///
     /// **Fails** on targets that cannot be, with the number that is wrong and the nearest that could.
     /// **Costs** two factorisations and at most eight solves, disks included, and no factorisation that was made before; where weights are raised, one
-    /// factorisation and two solves for each of three tries at most.
+    /// factorisation and two solves for each of three tries at most, at every call.
     /// **From** [BFF] §4–6. **Differs**: rims close by least relative entropy, which keeps lengths positive and angles exact; the rim of a disk is a
     /// circle exactly.
     pub fn flatten(

@@ -192,9 +192,10 @@ impl System {
             // What was found before is still a chart.
             let Ok(found) = found else { break };
             let count = self.turned_over(&found);
-            if count < turned {
-                (places, turned, is_raised) = (found, count, true);
+            if count >= turned {
+                break;
             }
+            (places, turned, is_raised) = (found, count, true);
         }
         Ok((places, is_raised))
     }

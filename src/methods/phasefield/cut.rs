@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::domain::Domain;
+use super::profile::STEEPNESS;
 use super::state::PhaseFieldState;
 use super::terms::sharp;
 use crate::geometry::Geometry;
@@ -35,10 +36,10 @@ impl PhaseFieldState {
     ///
     /// **Takes** ε over [`super::length_scale`]: the width of the interface in the geometry's unit.
     pub fn cut_start(&self, mesh: &Mesh, width: f64) -> Initial {
-        // u = tanh(1.06 t / ε): back to the distance t.
+        // Back from the profile to the distance.
         let distance = |u: f64| {
             let u = u.clamp(-0.999, 0.999);
-            0.5 * ((1.0 + u) / (1.0 - u)).ln() * width / 1.0607
+            0.5 * ((1.0 + u) / (1.0 - u)).ln() * width / STEEPNESS
         };
         if let [root, ..] = &self.nodes[..]
             && self.leaves().len() == 2
@@ -128,9 +129,8 @@ impl PhaseFieldState {
             let mut found = 0;
             for i in 0..3 {
                 let j = (i + 1) % 3;
-                let is_positive = [i, j].map(|i| self.is_positive(node, corners[i]));
                 let is_crossed = (values[i] >= 0.0) != (values[j] >= 0.0);
-                if is_crossed && is_positive[0] != is_positive[1] && found < 2 {
+                if is_crossed && found < 2 {
                     let t = values[i] / (values[i] - values[j]);
                     ends[found][i] = 1.0 - t;
                     ends[found][j] = t;

@@ -49,8 +49,8 @@ pub fn length_scale(geometry: &Geometry) -> f64 {
 ///
 /// **Minimises** what the [module](super) says, split by split from the root down; with [`PhaseFieldParams::is_joint`] all splits together in the
 /// end. **Step** one iteration of L-BFGS with a strong Wolfe search: without ω one product of matrix and vector for each trial, with it two
-/// factorisations and four solves. The objective reported is that of the start at hand: it falls from step to step of one start, is another one with the next
-/// start or split, and rises once where the price of unconnected phases comes in. **Ends** `Converged` when every split has; `StepLimit` where one ran
+/// factorisations and four solves; without ω the last step of a split costs two factorisations and two solves more, for J as it came out. The objective reported is that of the start at hand: it falls from step to step of one start, is another one with the next
+/// start or split, and rises where the price of unconnected phases comes in, and at the end of a split where islands are given up. **Ends** `Converged` when every split has; `StepLimit` where one ran
 /// out of iterations, `Stalled` where one found no step.
 pub struct PhaseFieldFlow {
     domain: Arc<Domain>,

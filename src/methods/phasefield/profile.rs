@@ -4,6 +4,9 @@
 /// make charts smaller than their phases; with 0 no vertex belongs to one phase alone, and every chart is the whole surface.
 const DELTA: f64 = 0.01;
 
+/// The optimal profile of an interface is tanh of this times the distance over ε.
+pub(super) const STEEPNESS: f64 = 1.0607;
+
 /// Ψ(u) = 9/16 (u² − 1)² and its derivative.
 #[inline]
 pub(super) fn well(u: f64) -> (f64, f64) {

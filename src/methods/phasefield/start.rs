@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::domain::Domain;
 use super::params::{PhaseFieldParams, Start};
-use super::profile::indicator;
+use super::profile::{STEEPNESS, indicator};
 use crate::geometry::geodesic_distances_from;
 use crate::linalg::{Factor, LinalgError, dot};
 use crate::methods::cutflow::uniform;
@@ -126,7 +126,8 @@ fn above_level(heights: &[f64], mw: &[f64], target: f64, steepness: f64) -> Vec<
     heights.iter().map(|h| (steepness * (h - level)).tanh()).collect()
 }
 
-/// Share of a segment that a field may miss before its interface is moved as a whole.
+/// Share of a segment that a field may miss before its interface is moved as a whole. Less, and fields are made anew that rounding put off;
+/// more, and shifted values leave phases grey.
 const FAR_OFF: f64 = 1e-3;
 
 /// A field whose area is about right: the field itself, or the profile across a curve beside its interface, at the same distance everywhere.
@@ -192,9 +193,6 @@ fn without_noise(domain: &Domain, u: &[f64]) -> Vec<f64> {
     }
     clear
 }
-
-/// The optimal profile of an interface is tanh of this times the distance over ε.
-const STEEPNESS: f64 = 1.0607;
 
 /// ±1 on every face, smoothed twice by (M + ℓ² L)⁻¹ M, of mean 0 and spread over (−1, 1).
 fn noise(domain: &Domain, mw: &[f64], whole: f64, seed: u64) -> Result<Vec<f64>, LinalgError> {

@@ -161,7 +161,7 @@ impl PhaseFieldState {
     /// Where an edge between two leaves crosses from one to the other, from its first end.
     pub(super) fn crossing(&self, [a, b]: [usize; 2]) -> Option<f64> {
         let u = &self.nodes[self.parting([a, b])?].u;
-        ((u[a] >= 0.0) != (u[b] >= 0.0)).then(|| u[a] / (u[a] - u[b]))
+        Some(u[a] / (u[a] - u[b]))
     }
 
     /// Sets the field of a split; its sides are made if there are none.

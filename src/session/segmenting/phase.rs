@@ -478,7 +478,7 @@ impl Work {
             let weights = self.phase.flow.as_ref()?.state().chart_weights();
             if weights.len() < 2 {
                 return None;
-            };
+            }
             let surface = self.document.surface.as_ref()?;
             let (mesh, geometry) = (&surface.mesh, &surface.geometry);
             match Atlas::new(mesh, geometry, &weights, &AtlasParams::default()) {

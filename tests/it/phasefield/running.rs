@@ -12,6 +12,7 @@ fn a_run_repeats_bit_for_bit_descends_goes_on_from_a_checkpoint_and_ends_quietly
         PhaseFieldParams { levels: 2, start: Start::Random, warm_up: 5, ..coarse() },
         PhaseFieldParams { levels: 2, is_joint: true, ..coarse() },
         PhaseFieldParams { omega: 1.0, starts: 1, screening: Screening::Sharp, ..coarse() },
+        PhaseFieldParams { omega: 1.0, levels: 2, screening: Screening::Outside, ..coarse() },
     ] {
         let whole = run(&surface, params.clone());
         assert_eq!(whole.status(), Status::Converged);
